@@ -1,0 +1,9 @@
+//! Files to checked, immutable values and back: glTF, OBJ, PLY, images, npz, BVH, weights, the disk cache.
+//!
+//! May name `math` only. No file is trusted: counts are checked against a [`Budget`] and against the bytes
+//! that are there before anything is allocated; paths inside a file stay in its folder; nothing is fetched.
+//! May not guess what things mean (units, categories): that is `scene`'s.
+
+mod model;
+
+pub use model::{AlphaMode, Material, Mesh, Model, Part, Texture};

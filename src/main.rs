@@ -1,0 +1,2 @@
+//! Arguments to the command line or the window; nothing else.
+fn main() {}

@@ -1,0 +1,10 @@
+//! Rotations (6-D, axis-angle), Adam, boxes and small statistics. Knows nothing else of the crate.
+//!
+//! May not name any other module, read files or hold domain types. Names carry frame and unit.
+
+mod aabb;
+mod adam;
+pub mod rotation;
+
+pub use aabb::Aabb;
+pub use adam::{Adam, AdamConfig};

@@ -1,0 +1,15 @@
+//! The room and who is in it: plain data. Room, objects, categories, persons, cameras; and what a room's
+//! geometry says: ray tree, signed distance field, support surfaces, walkable floor.
+//!
+//! May name `math` and `assets`. May not change a document, run an optimiser or draw. Everything is in the
+//! world frame: metres, right-handed, Y up, the floor at about `y = 0`.
+
+mod camera;
+mod category;
+mod person;
+mod room;
+
+pub use camera::Camera;
+pub use category::Category;
+pub use person::{BETAS, BodyParams, HANDS, PARAMS, POSE, Person, PersonId, PoseFamily};
+pub use room::{Object, ObjectId, ObjectPart, Room, Scene};
