@@ -5,5 +5,6 @@
 //! May not guess what things mean (units, categories): that is `scene`'s.
 
 mod model;
+pub mod npz;
 
 pub use model::{AlphaMode, Material, Mesh, Model, Part, Texture};
