@@ -10,4 +10,4 @@ mod hash;
 mod model;
 
 pub use hash::{ContentHasher, content_hash};
-pub use model::{AlphaMode, Material, Mesh, Model, Part, Texture};
+pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
