@@ -6,8 +6,12 @@
 
 pub mod cache;
 
+mod encode;
 mod hash;
 mod model;
+mod write_glb;
 
+pub use encode::{encode_jpeg, encode_png};
 pub use hash::{ContentHasher, content_hash};
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
+pub use write_glb::{GlbWriteError, SkinJoint, SkinnedMesh, glb_from_model, glb_from_skinned};
