@@ -4,6 +4,10 @@
 //! that are there before anything is allocated; paths inside a file stay in its folder; nothing is fetched.
 //! May not guess what things mean (units, categories): that is `scene`'s.
 
+pub mod cache;
+
+mod hash;
 mod model;
 
-pub use model::{AlphaMode, Material, Mesh, Model, Part, Texture};
+pub use hash::{ContentHasher, content_hash};
+pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
