@@ -38,8 +38,7 @@ impl GlbBuilder {
     /// Appends `bytes` at the next multiple of four; returns the buffer view's number.
     pub fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let view =
-            BufferView { buffer: 0, byte_offset: self.bytes.len(), byte_length: bytes.len(), target };
+        let view = BufferView { buffer: 0, byte_offset: self.bytes.len(), byte_length: bytes.len(), target };
         self.bytes.extend_from_slice(bytes);
         self.root.buffer_views.push(view);
         self.root.buffer_views.len() - 1

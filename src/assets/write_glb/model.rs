@@ -63,8 +63,7 @@ impl ModelWriter<'_> {
             root.textures.push(json::Texture { sampler: 0, source: image });
         }
         if !self.model.textures.is_empty() {
-            let sampler =
-                json::Sampler { mag_filter: json::LINEAR, min_filter: json::LINEAR_MIPMAP_LINEAR };
+            let sampler = json::Sampler { mag_filter: json::LINEAR, min_filter: json::LINEAR_MIPMAP_LINEAR };
             self.builder.root.samplers.push(sampler);
         }
         Ok(())
@@ -118,8 +117,7 @@ impl ModelWriter<'_> {
     /// The mesh of these parts, written once for all places that share it; `None` if it has no triangle.
     fn mesh(&mut self, parts: &[&Part]) -> Result<Option<usize>, GlbWriteError> {
         let parts: Vec<&Part> = parts.iter().copied().filter(|p| !p.mesh.triangles.is_empty()).collect();
-        let key: Vec<(MeshKey, usize)> =
-            parts.iter().map(|p| (Arc::as_ptr(&p.mesh), p.material)).collect();
+        let key: Vec<(MeshKey, usize)> = parts.iter().map(|p| (Arc::as_ptr(&p.mesh), p.material)).collect();
         if parts.is_empty() || self.meshes.contains_key(&key) {
             return Ok(self.meshes.get(&key).copied());
         }

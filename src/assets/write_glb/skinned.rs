@@ -88,13 +88,8 @@ fn skin(builder: &mut GlbBuilder, body: &SkinnedMesh) -> json::Skin {
 fn nodes(body: &SkinnedMesh) -> Result<Vec<json::Node>, GlbWriteError> {
     let extras = body.extras.as_deref().map(serde_json::from_str).transpose();
     let extras = extras.map_err(|source| GlbWriteError::Extras { what: body.name.clone(), source })?;
-    let mesh_node = json::Node {
-        name: body.name.clone(),
-        mesh: Some(0),
-        skin: Some(0),
-        extras,
-        ..json::Node::default()
-    };
+    let mesh_node =
+        json::Node { name: body.name.clone(), mesh: Some(0), skin: Some(0), extras, ..json::Node::default() };
     let armature = json::Node {
         name: format!("{} skeleton", body.name),
         children: vec![FIRST_JOINT_NODE],

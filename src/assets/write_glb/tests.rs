@@ -81,7 +81,8 @@ fn positions_transforms_names_and_extras_read_back_bit_for_bit() {
     assert_eq!(indices, shared.triangles.as_flattened());
     let colors: Vec<[f32; 3]> = reader.read_colors(0).expect("colours").into_rgb_f32().collect();
     for (linear, srgb) in colors.iter().zip(&shared.colors) {
-        let back = linear.map(|c| if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 });
+        let back =
+            linear.map(|c| if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 });
         assert_eq!(back.map(|c| (c * 255.0).round() as u8), [srgb[0], srgb[1], srgb[2]]);
     }
     assert_eq!(document.accessors().count(), 5, "the shared mesh is written once");
@@ -90,10 +91,8 @@ fn positions_transforms_names_and_extras_read_back_bit_for_bit() {
 #[test]
 fn an_object_of_two_placed_pieces_keeps_both_under_its_name() {
     let shared = Arc::new(mesh());
-    let model = model(vec![
-        part("Lamp", 0, &shared, Affine3A::IDENTITY),
-        part("Lamp", 0, &shared, somewhere()),
-    ]);
+    let model =
+        model(vec![part("Lamp", 0, &shared, Affine3A::IDENTITY), part("Lamp", 0, &shared, somewhere())]);
     let (document, _) = open(&glb_from_model(&model).expect("writes"));
     let roots: Vec<_> = document.default_scene().expect("a scene").nodes().collect();
     assert_eq!(roots.len(), 1);
@@ -142,7 +141,8 @@ fn what_cannot_be_written_says_which_object_is_to_blame() {
 
 /// Three joints up a bent pole; vertices follow one to four slots with flaws that the writer must mend.
 fn body() -> SkinnedMesh {
-    let joint = |name: &str, parent, rest_m, rotation| SkinJoint { name: name.into(), parent, rest_m, rotation };
+    let joint =
+        |name: &str, parent, rest_m, rotation| SkinJoint { name: name.into(), parent, rest_m, rotation };
     SkinnedMesh {
         name: "Ada".into(),
         mesh: mesh(),
@@ -204,8 +204,7 @@ fn a_viewer_that_skins_the_exported_body_shows_the_same_pose() {
     let reader = primitive.reader(|_| Some(&blob));
     let slots: Vec<[u16; 4]> = reader.read_joints(0).expect("joints").into_u16().collect();
     let weights: Vec<[f32; 4]> = reader.read_weights(0).expect("weights").into_f32().collect();
-    for (v, (position, expected)) in
-        reader.read_positions().expect("positions").zip(posed(&body)).enumerate()
+    for (v, (position, expected)) in reader.read_positions().expect("positions").zip(posed(&body)).enumerate()
     {
         let shown: Vec3 = (0..4)
             .map(|k| {
