@@ -6,5 +6,14 @@
 
 mod model;
 pub mod npz;
+pub mod cache;
 
-pub use model::{AlphaMode, Material, Mesh, Model, Part, Texture};
+mod encode;
+mod hash;
+mod model;
+mod write_glb;
+
+pub use encode::{encode_jpeg, encode_png};
+pub use hash::{ContentHasher, content_hash};
+pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
+pub use write_glb::{GlbWriteError, SkinJoint, SkinnedMesh, glb_from_model, glb_from_skinned};
