@@ -4,9 +4,9 @@
 //! that are there before anything is allocated; paths inside a file stay in its folder; nothing is fetched.
 //! May not guess what things mean (units, categories): that is `scene`'s.
 
+pub mod cache;
 mod model;
 pub mod npz;
-pub mod cache;
 
 mod encode;
 mod hash;

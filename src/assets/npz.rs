@@ -59,7 +59,9 @@ pub enum NpzError {
         present: String,
     },
     /// The array is a pickled Python object, text or a record.
-    #[error("{file}: array `{array}` holds {dtype}, which is not plain numbers (pickles are never opened); save it as float32 or int32")]
+    #[error(
+        "{file}: array `{array}` holds {dtype}, which is not plain numbers (pickles are never opened); save it as float32 or int32"
+    )]
     NotNumbers {
         /// The file.
         file: String,
@@ -144,7 +146,8 @@ impl Npz {
     pub fn from_bytes(file: &str, bytes: &[u8]) -> Result<Self, NpzError> {
         let damaged =
             |cause: &dyn std::fmt::Display| NpzError::Archive { file: file.into(), cause: cause.to_string() };
-        let too_large = |what: &str, limit| NpzError::TooLarge { file: file.into(), what: what.into(), limit };
+        let too_large =
+            |what: &str, limit| NpzError::TooLarge { file: file.into(), what: what.into(), limit };
         let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|e| damaged(&e))?;
         if archive.len() > MAX_ARRAYS {
             return Err(too_large("the number of arrays", MAX_ARRAYS as u64));
@@ -202,7 +205,11 @@ impl Npz {
     ///
     /// # Errors
     /// As [`Npz::array`], and [`NpzError::Shape`] or [`NpzError::NotFinite`].
-    pub fn floats(&self, array: &str, expected: &[Option<usize>]) -> Result<(Vec<usize>, Vec<f32>), NpzError> {
+    pub fn floats(
+        &self,
+        array: &str,
+        expected: &[Option<usize>],
+    ) -> Result<(Vec<usize>, Vec<f32>), NpzError> {
         let Array { shape, numbers } = self.array(array)?;
         self.check_shape(array, &shape, expected)?;
         let values = match numbers {
@@ -294,9 +301,9 @@ fn decode(npy: NpyFile<&[u8]>, kind: TypeChar, size: usize) -> Option<std::io::R
             .into_vec::<half::f16>()
             .map(|values| Numbers::Float(values.into_iter().map(half::f16::to_f32).collect())),
         (TypeChar::Float, 4) => npy.into_vec::<f32>().map(Numbers::Float),
-        (TypeChar::Float, 8) => npy
-            .into_vec::<f64>()
-            .map(|values| Numbers::Float(values.into_iter().map(|v| v as f32).collect())),
+        (TypeChar::Float, 8) => {
+            npy.into_vec::<f64>().map(|values| Numbers::Float(values.into_iter().map(|v| v as f32).collect()))
+        }
         (TypeChar::Bool, 1) => ints::<bool>(npy),
         (TypeChar::Int, 1) => ints::<i8>(npy),
         (TypeChar::Int, 2) => ints::<i16>(npy),

@@ -66,8 +66,8 @@ pub const RIGHT_MIDDLE1: usize = 43;
 
 /// Parent of each joint; the root is its own.
 pub const PARENTS: [usize; JOINTS] = [
-    0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19, 15, 15, 15, 20, 25, 26, 20, 28, 29,
-    20, 31, 32, 20, 34, 35, 20, 37, 38, 21, 40, 41, 21, 43, 44, 21, 46, 47, 21, 49, 50, 21, 52, 53,
+    0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19, 15, 15, 15, 20, 25, 26, 20, 28,
+    29, 20, 31, 32, 20, 34, 35, 20, 37, 38, 21, 40, 41, 21, 43, 44, 21, 46, 47, 21, 49, 50, 21, 52, 53,
 ];
 
 /// SMPL-X's name of each joint.
@@ -132,8 +132,8 @@ pub const NAMES: [&str; JOINTS] = [
 /// The joint on the other side of the body; joints of the middle are their own.
 pub fn mirror(joint: usize) -> usize {
     match joint {
-        LEFT_HIP | LEFT_KNEE | LEFT_ANKLE | LEFT_FOOT | LEFT_COLLAR | LEFT_SHOULDER | LEFT_ELBOW | LEFT_WRIST
-        | LEFT_EYE => joint + 1,
+        LEFT_HIP | LEFT_KNEE | LEFT_ANKLE | LEFT_FOOT | LEFT_COLLAR | LEFT_SHOULDER | LEFT_ELBOW
+        | LEFT_WRIST | LEFT_EYE => joint + 1,
         RIGHT_HIP | RIGHT_KNEE | RIGHT_ANKLE | RIGHT_FOOT | RIGHT_COLLAR | RIGHT_SHOULDER | RIGHT_ELBOW
         | RIGHT_WRIST | RIGHT_EYE => joint - 1,
         LEFT_HAND..RIGHT_HAND => joint + 15,

@@ -333,7 +333,8 @@ mod tests {
     fn every_one_of_the_75_gradients_agrees_with_finite_differences() {
         let body = Body::bundled();
         let mut rng = ChaCha8Rng::seed_from_u64(7);
-        let subset = VertexSubset::new(&body.model, (0..body.model.template.len() as u32).step_by(37).collect());
+        let subset =
+            VertexSubset::new(&body.model, (0..body.model.template.len() as u32).step_by(37).collect());
         let mut ws = Workspace::default();
         for _ in 0..4 {
             let x = random_body(&mut rng).to_vector();
