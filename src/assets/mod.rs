@@ -5,12 +5,10 @@
 //! May not guess what things mean (units, categories): that is `scene`'s.
 
 pub mod cache;
-mod model;
-pub mod npz;
-
 mod encode;
 mod hash;
 mod model;
+pub mod npz;
 mod write_glb;
 
 pub use encode::{encode_jpeg, encode_png};
