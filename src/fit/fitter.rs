@@ -10,17 +10,6 @@ use crate::job::{Cancelled, Ticker};
 use crate::math::Adam;
 use crate::scene::{BodyParams, PARAMS, PoseFamily, SignedDistanceField};
 
-/// Contact regions of PSI §3.2.2 (PROX's segments).
-const PSI_CONTACT: [Region; 7] = [
-    Region::Back,
-    Region::Butt,
-    Region::LeftHand,
-    Region::RightHand,
-    Region::LeftSole,
-    Region::RightSole,
-    Region::Thighs,
-];
-
 /// Share of the first step size that the last step has.
 const LAST_STEP: f32 = 0.1;
 
@@ -54,7 +43,7 @@ impl<'a> Fitter<'a> {
     /// A fitter of `body`.
     pub fn new(body: &'a Body) -> Self {
         let mut psi_contact: Vec<u32> =
-            PSI_CONTACT.iter().flat_map(|r| body.regions().vertices(*r).iter().copied()).collect();
+            Region::PROX.iter().flat_map(|r| body.regions().vertices(*r).iter().copied()).collect();
         psi_contact.sort_unstable();
         psi_contact.dedup();
         Self { body, probe: Probe::new(body), psi_contact }

@@ -19,16 +19,16 @@ const fn goal(region: Region, weight: f32, reach_m: f32) -> ContactGoal {
 /// What each pose family rests on. Seats and beds carry (weight 1 and more); backs, arms and heads rest where
 /// something is near.
 pub fn contact_goals(family: PoseFamily) -> &'static [ContactGoal] {
-    use Region::{Back, Belly, Butt, Calves, Forearms, HeadBack, Heels, LeftHand, LeftSide, LeftSole};
-    use Region::{RightHand, RightSide, RightSole, Thighs};
-    const FEET: (ContactGoal, ContactGoal) = (goal(LeftSole, 0.5, 0.12), goal(RightSole, 0.5, 0.12));
+    use Region::{Back, Butt, Calves, Forearms, Front, HeadBack, Heels, LeftHand, LeftLeg, LeftSide};
+    use Region::{LegFronts, RightHand, RightLeg, RightSide, Thighs};
+    const FEET: (ContactGoal, ContactGoal) = (goal(LeftLeg, 0.5, 0.12), goal(RightLeg, 0.5, 0.12));
     match family {
-        PoseFamily::Stand => const { &[goal(LeftSole, 2.0, 0.3), goal(RightSole, 2.0, 0.3)] },
+        PoseFamily::Stand => const { &[goal(LeftLeg, 2.0, 0.3), goal(RightLeg, 2.0, 0.3)] },
         PoseFamily::Lean => {
             const {
                 &[
-                    goal(LeftSole, 2.0, 0.3),
-                    goal(RightSole, 2.0, 0.3),
+                    goal(LeftLeg, 2.0, 0.3),
+                    goal(RightLeg, 2.0, 0.3),
                     goal(LeftHand, 0.4, 0.08),
                     goal(RightHand, 0.4, 0.08),
                     goal(Butt, 0.3, 0.06),
@@ -56,7 +56,7 @@ pub fn contact_goals(family: PoseFamily) -> &'static [ContactGoal] {
                 ]
             }
         }
-        PoseFamily::LieDown => const { &[goal(Belly, 2.0, 0.3), goal(Forearms, 0.3, 0.1)] },
+        PoseFamily::LieDown => const { &[goal(Front, 2.0, 0.3), goal(LegFronts, 1.0, 0.12), goal(Forearms, 0.3, 0.1)] },
         PoseFamily::LieSide => {
             const { &[goal(LeftSide, 1.5, 0.15), goal(RightSide, 1.5, 0.15), goal(Thighs, 0.3, 0.1)] }
         }

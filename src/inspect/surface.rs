@@ -21,16 +21,15 @@ const PROBES: [Vec3; 3] = [
 /// A posed body as a solid: is a point inside, and how deep.
 pub struct BodySolid {
     bvh: TriangleBvh,
-    triangles: Vec<[Vec3; 3]>,
     bounds: Aabb,
 }
 
 impl BodySolid {
     /// The solid with corner positions `vertices` and triangles `faces`, counter-clockwise from outside.
     pub fn new(vertices: &[Vec3], faces: &[[u32; 3]]) -> Self {
-        let triangles: Vec<[Vec3; 3]> = faces.iter().map(|f| f.map(|v| vertices[v as usize])).collect();
+        let triangles = faces.iter().map(|f| f.map(|v| vertices[v as usize])).collect();
         let bounds = Aabb::of(vertices.iter().copied());
-        Self { bvh: TriangleBvh::build(triangles.clone()), triangles, bounds }
+        Self { bvh: TriangleBvh::new(triangles), bounds }
     }
 
     /// The box around it.
@@ -50,8 +49,7 @@ impl BodySolid {
     fn is_inside(&self, point: Vec3) -> bool {
         let leaves = |direction: Vec3| {
             self.bvh.cast(point, direction, f32::INFINITY).is_some_and(|hit| {
-                let [a, b, c] = self.triangles[hit.triangle];
-                (b - a).cross(c - a).dot(direction) > 0.0
+                self.bvh.normal(hit.triangle as usize).dot(direction) > 0.0
             })
         };
         let direction = |i: usize| PROBES[i].normalize_or(Vec3::Y);
