@@ -4,6 +4,14 @@
 //! that are there before anything is allocated; paths inside a file stay in its folder; nothing is fetched.
 //! May not guess what things mean (units, categories): that is `scene`'s.
 
+pub mod cache;
+mod encode;
+mod hash;
 mod model;
+pub mod npz;
+mod write_glb;
 
-pub use model::{AlphaMode, Material, Mesh, Model, Part, Texture};
+pub use encode::{encode_jpeg, encode_png};
+pub use hash::{ContentHasher, content_hash};
+pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
+pub use write_glb::{GlbWriteError, SkinJoint, SkinnedMesh, glb_from_model, glb_from_skinned};

@@ -7,6 +7,7 @@
 mod bvh;
 mod camera;
 mod category;
+mod export;
 mod field;
 mod person;
 mod room;
@@ -14,6 +15,7 @@ mod room;
 pub use bvh::{Closest, Hit, Step, Stopped, TriangleBvh, closest_on_triangle};
 pub use camera::Camera;
 pub use category::Category;
+pub use export::model_from_room;
 pub use field::{FieldConfig, Resolution, SignedDistanceField, bake};
 pub use person::{BETAS, BodyParams, HANDS, PARAMS, POSE, Person, PersonId, PoseFamily};
 pub use room::{Object, ObjectId, ObjectPart, Room, Scene};
