@@ -133,12 +133,14 @@ impl TriangleBvh {
     pub fn cast(&self, origin: Vec3, unit_direction: Vec3, max_m: f32) -> Option<Hit> {
         let ray = Ray::new(origin.into(), unit_direction.into(), 0.0, max_m);
         let mut best: Option<(f32, f32, f32, usize)> = None;
-        self.tree.ray_traverse(ray, &mut RayHit::none(), |ray, slot| match self.leaves[slot].intersect(ray) {
-            Some((t, u, v)) if best.is_none_or(|b| t < b.0) => {
-                best = Some((t, u, v, slot));
-                t
+        self.tree.ray_traverse(ray, &mut RayHit::none(), |ray, slot| {
+            match self.leaves[slot].intersect(ray) {
+                Some((t, u, v)) if best.is_none_or(|b| t < b.0) => {
+                    best = Some((t, u, v, slot));
+                    t
+                }
+                _ => f32::INFINITY,
             }
-            _ => f32::INFINITY,
         });
         best.map(|(t, u, v, slot)| Hit {
             distance_m: t,
@@ -252,7 +254,11 @@ mod tests {
     use crate::scene::field::test_room_triangles as test_room;
 
     fn random_point(random: &mut ChaCha8Rng) -> Vec3 {
-        Vec3::new(random.random_range(-3.0..3.0), random.random_range(0.0..2.7), random.random_range(-2.5..2.5))
+        Vec3::new(
+            random.random_range(-3.0..3.0),
+            random.random_range(0.0..2.7),
+            random.random_range(-2.5..2.5),
+        )
     }
 
     #[test]
@@ -279,10 +285,8 @@ mod tests {
             assert!(bvh.any_hit(p, direction, hit.distance_m + 1e-3));
             assert!(!bvh.any_hit(p, direction, hit.distance_m - 1e-3));
 
-            let nearest = triangles
-                .iter()
-                .map(|t| closest_on_triangle(t, p).distance(p))
-                .fold(f32::INFINITY, f32::min);
+            let nearest =
+                triangles.iter().map(|t| closest_on_triangle(t, p).distance(p)).fold(f32::INFINITY, f32::min);
             let closest = bvh.closest(p, 10.0).expect("within ten metres");
             assert!((closest.distance_m - nearest).abs() < 1e-5);
             assert!((closest.point.distance(p) - nearest).abs() < 1e-5);

@@ -104,7 +104,8 @@ pub fn bake(
     let mut nearest = narrow_band(&grid, &facets, band_m, step)?;
     let lines = [0, 1, 2].map(|axis| Lines::new(&grid, triangles, axis));
     report(step, 1, 2)?;
-    let room = Surroundings { grid: &grid, lines: &lines, triangles, distance_m: &nearest.distance_m, enclosure };
+    let room =
+        Surroundings { grid: &grid, lines: &lines, triangles, distance_m: &nearest.distance_m, enclosure };
     let solid = classify(&room, step)?;
     refine(&grid, &lines, &solid, &mut facets, band_m, &mut nearest, step)?;
     sweep_outward(&grid, &facets, &solid, band_m, &mut nearest, step)?;

@@ -135,13 +135,7 @@ fn cross_triangle(
 }
 
 /// The triangle's place along `axis` over `p`, if it lies over `p`.
-fn height_at(
-    flat: &[DVec2; 3],
-    corners: &[DVec3; 3],
-    axis: usize,
-    p: DVec2,
-    twice_area: f64,
-) -> Option<f64> {
+fn height_at(flat: &[DVec2; 3], corners: &[DVec3; 3], axis: usize, p: DVec2, twice_area: f64) -> Option<f64> {
     let left = twice_area > 0.0;
     let mut weights = [0.0; 3];
     for i in 0..3 {

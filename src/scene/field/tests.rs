@@ -1,6 +1,5 @@
 use std::ops::ControlFlow;
 
-
 use super::test_room::{HIGH, LOW, exact_distance, triangles};
 use super::*;
 use crate::scene::bvh::TriangleBvh;
