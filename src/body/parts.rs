@@ -27,15 +27,8 @@ pub enum BodyPart {
 
 impl BodyPart {
     /// Every part.
-    pub const ALL: [Self; 7] = [
-        Self::Skin,
-        Self::Hair,
-        Self::Shirt,
-        Self::Trousers,
-        Self::Shoes,
-        Self::Eyes,
-        Self::Iris,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Skin, Self::Hair, Self::Shirt, Self::Trousers, Self::Shoes, Self::Eyes, Self::Iris];
 }
 
 /// Signed distance in metres to the seam of each garment along the skin, positive inside it:
@@ -65,8 +58,7 @@ impl BodyParts {
     /// Dresses a model by its rest pose.
     pub fn of(model: &BodyModel) -> Self {
         let rest = &model.joint_template;
-        let bare: Vec<BodyPart> =
-            (0..model.template.len()).map(|v| bare_part(model, v)).collect();
+        let bare: Vec<BodyPart> = (0..model.template.len()).map(|v| bare_part(model, v)).collect();
         let seams = model.template.iter().enumerate().map(|(v, p)| match bare[v] {
             BodyPart::Eyes => {
                 let off_axis = (*p - rest[model.dominant_joint(v)]).truncate().length();

@@ -131,7 +131,8 @@ impl Region {
         let lower_leg = matches!(joint, joints::LEFT_KNEE | joints::RIGHT_KNEE);
         let foot = |ankle, ball| (joint == ankle || joint == ball) && n.y < -0.6;
         // The arms lie along x at rest, palms down.
-        let palm = |wrist, first: usize| (joint == wrist || (first..first + 15).contains(&joint)) && n.y < -0.35;
+        let palm =
+            |wrist, first: usize| (joint == wrist || (first..first + 15).contains(&joint)) && n.y < -0.35;
         let flank = |sign: f32| {
             (torso || upper_leg) && n.x * sign > 0.75 && p.x * sign > 0.05 && p.y < 0.38 && p.y > -0.36
         };
@@ -262,7 +263,8 @@ mod tests {
             (Region::LeftLeg, Region::RightLeg),
             (Region::LeftSide, Region::RightSide),
         ] {
-            let (l, r) = (body.regions.vertices(left).len() as f32, body.regions.vertices(right).len() as f32);
+            let (l, r) =
+                (body.regions.vertices(left).len() as f32, body.regions.vertices(right).len() as f32);
             assert!((l / r - 1.0).abs() < 0.05, "{}: {l} against {r}", left.name());
         }
     }
