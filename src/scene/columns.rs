@@ -56,7 +56,8 @@ impl Columns {
             let top = |(rank, crossing): (usize, &super::field::lines::Crossing)| {
                 let triangle = crossing.triangle as usize;
                 let height_m = crossing.place;
-                let above = crossings[rank + 1..].iter().map(|c| c.place - height_m).find(|&gap| gap > LAYER_M);
+                let above =
+                    crossings[rank + 1..].iter().map(|c| c.place - height_m).find(|&gap| gap > LAYER_M);
                 let covered = crossings.get(rank + 1).is_some_and(|c| c.place - height_m <= LAYER_M);
                 let free = field.sample(at.with_y(height_m + AIR_PROBE_M)) > 0.0;
                 let flat = bvh.normal(triangle).y.abs() >= STEEPEST_NORMAL_Y;

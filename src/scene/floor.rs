@@ -84,9 +84,8 @@ impl WalkableFloor {
     /// The cell that holds (x, z), if the grid does.
     pub fn cell_at(&self, xz: Vec2) -> Option<usize> {
         let place = ((xz - self.origin) / self.cell_m).round();
-        let inside = place.cmpge(Vec2::ZERO).all()
-            && place.x < self.dim[0] as f32
-            && place.y < self.dim[1] as f32;
+        let inside =
+            place.cmpge(Vec2::ZERO).all() && place.x < self.dim[0] as f32 && place.y < self.dim[1] as f32;
         inside.then(|| place.x as usize * self.dim[1] + place.y as usize)
     }
 
