@@ -6,8 +6,21 @@
 
 pub mod cache;
 
+mod budget;
+mod error;
+mod gltf;
 mod hash;
+mod mend;
 mod model;
+mod obj;
+mod picture;
+mod ply;
+mod read;
+mod triangulate;
+mod uri;
 
+pub use budget::Budget;
+pub use error::{AssetError, Problem};
 pub use hash::{ContentHasher, content_hash};
 pub use model::{AlphaMode, Material, Mesh, Model, Part, Texture};
+pub use read::{read_model, read_model_bytes};
