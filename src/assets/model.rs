@@ -81,8 +81,17 @@ impl Default for Material {
     }
 }
 
+/// A picture's file as it was read, kept so that writing it again loses nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ImageFile {
+    /// `image/png` or `image/jpeg`, the two that glTF allows.
+    pub mime: &'static str,
+    /// The file's bytes.
+    pub bytes: Arc<[u8]>,
+}
+
 /// A decoded picture.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Texture {
     /// Name in the file, empty if none.
     pub name: String,
@@ -92,6 +101,8 @@ pub struct Texture {
     pub height: u32,
     /// sRGB with straight alpha, `width * height * 4` bytes.
     pub rgba: Vec<u8>,
+    /// The file it was decoded from, if that was a PNG or JPEG.
+    pub file: Option<ImageFile>,
 }
 
 /// A mesh with one material, placed. Parts of one node share `node`.

@@ -1,3 +1,16 @@
-//! The only writer of the scene: Command (intent) to Change (fact), undo history, project files.
+//! The only writer of the scene: [`Command`] (intent) is decided into [`Change`] (fact) or [`Refused`];
+//! facts are kept with their inverse for undo and redo; projects are saved and reopened bit by bit.
 //!
-//! May name `math`, `assets`, `scene`, `body`, `inspect`. Knows no job, no window and no generator.
+//! May name `math`, `assets`, `scene`, `body`, `inspect`. Knows no job, no window and no generator, and
+//! never changes anything but through a fact that it can take back.
+
+mod change;
+mod command;
+mod decide;
+mod history;
+#[cfg(test)]
+mod tests;
+
+pub use change::{Change, Numbered, ObjectState, RoomState, RoomVersion};
+pub use command::{Command, Refused};
+pub use history::Document;

@@ -1,0 +1,125 @@
+//! What somebody wants, and why it may be refused.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+
+use super::RoomVersion;
+use crate::scene::BodyParams;
+use crate::scene::Category;
+use crate::scene::ObjectId;
+use crate::scene::Person;
+use crate::scene::PersonId;
+use crate::scene::Room;
+
+/// An intent: from a click, a key or a finished job.
+#[derive(Clone, Debug)]
+pub enum Command {
+    /// Opens `room` instead of the present one; the people leave with the old room.
+    OpenRoom {
+        /// The new room.
+        room: Arc<Room>,
+    },
+    /// Adds people. The document numbers them; their own ids are not looked at.
+    AddPeople {
+        /// Who comes.
+        people: Vec<Person>,
+        /// The room geometry that a job made them for; `None` when it doesn't matter.
+        made_for: Option<RoomVersion>,
+    },
+    /// Puts new bodies in place of people with the same ids: the outcome of a re-roll or a new fit.
+    ReplacePeople {
+        /// The new ones.
+        people: Vec<Person>,
+        /// The room geometry that a job made them for; `None` when it doesn't matter.
+        made_for: Option<RoomVersion>,
+    },
+    /// Removes people.
+    RemovePeople(Vec<PersonId>),
+    /// Changes one person's body by hand.
+    SetBody(PersonId, BodyParams),
+    /// Renames a person.
+    RenamePerson(PersonId, String),
+    /// Shows or hides people.
+    SetPeopleVisible(Vec<PersonId>, bool),
+    /// Locks or unlocks people.
+    SetPeopleLocked(Vec<PersonId>, bool),
+    /// Renames an object.
+    RenameObject(ObjectId, String),
+    /// Says what objects are.
+    SetCategory(Vec<ObjectId>, Category),
+    /// Shows or hides objects; hidden ones are no geometry.
+    SetObjectsVisible(Vec<ObjectId>, bool),
+    /// Locks or unlocks objects.
+    SetObjectsLocked(Vec<ObjectId>, bool),
+    /// Puts an object elsewhere.
+    MoveObject(ObjectId, Affine3A),
+    /// Removes objects.
+    RemoveObjects(Vec<ObjectId>),
+    /// Copies objects, the copies moved by some metres; meshes are shared.
+    DuplicateObjects(Vec<ObjectId>, Vec3),
+}
+
+impl Command {
+    /// What the history calls it.
+    pub fn label(&self) -> String {
+        let many = |n: usize, one: &str, several: &str| {
+            if n == 1 { one.to_owned() } else { format!("{n} {several}") }
+        };
+        let people = |n| many(n, "person", "people");
+        let objects = |n| many(n, "object", "objects");
+        match self {
+            Self::OpenRoom { room } => format!("Open {}", room.name),
+            Self::AddPeople { people: who, .. } => format!("Add {}", people(who.len())),
+            Self::ReplacePeople { people: who, .. } => format!("Re-roll {}", people(who.len())),
+            Self::RemovePeople(who) => format!("Remove {}", people(who.len())),
+            Self::SetBody(..) => "Change body".to_owned(),
+            Self::RenamePerson(..) => "Rename person".to_owned(),
+            Self::SetPeopleVisible(who, shown) => {
+                format!("{} {}", if *shown { "Show" } else { "Hide" }, people(who.len()))
+            }
+            Self::SetPeopleLocked(who, locked) => {
+                format!("{} {}", if *locked { "Lock" } else { "Unlock" }, people(who.len()))
+            }
+            Self::RenameObject(..) => "Rename object".to_owned(),
+            Self::SetCategory(_, category) => format!("Category: {}", category.label()),
+            Self::SetObjectsVisible(what, shown) => {
+                format!("{} {}", if *shown { "Show" } else { "Hide" }, objects(what.len()))
+            }
+            Self::SetObjectsLocked(what, locked) => {
+                format!("{} {}", if *locked { "Lock" } else { "Unlock" }, objects(what.len()))
+            }
+            Self::MoveObject(..) => "Move object".to_owned(),
+            Self::RemoveObjects(what) => format!("Remove {}", objects(what.len())),
+            Self::DuplicateObjects(what, _) => format!("Duplicate {}", objects(what.len())),
+        }
+    }
+}
+
+/// Why a command was refused. Nothing has changed then.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refused {
+    /// The person was removed in the meantime; results never bring somebody back.
+    #[error("Person {} is no longer in the room; nothing was changed.", .0.0)]
+    NoSuchPerson(PersonId),
+    /// The object was removed in the meantime.
+    #[error("Object {} is no longer in the room; nothing was changed.", .0.0)]
+    NoSuchObject(ObjectId),
+    /// Locked people stay as they are.
+    #[error("{0} is locked. Unlock it first (L).")]
+    Locked(String),
+    /// The room has changed since the job that brings this result began.
+    #[error(
+        "The room was changed while this was being computed, so the result no longer fits it. Run it again."
+    )]
+    RoomChanged,
+    /// A body holds a number that is not finite.
+    #[error("The body of {0} holds a number that is not finite; it was not taken.")]
+    NotFinite(String),
+    /// A transform that turns a thing into nothing or to infinity.
+    #[error("This place or size of {0} is not finite or has no volume; it was not taken.")]
+    BadTransform(String),
+    /// A name must have at least one visible character.
+    #[error("A name needs at least one character.")]
+    EmptyName,
+}
