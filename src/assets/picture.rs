@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::budget::Budget;
 use super::error::Fault;
-use super::model::Texture;
+use super::model::{ImageFile, Texture};
 
 /// A picture as a file holds it.
 pub(super) struct EncodedPicture {
@@ -67,12 +67,18 @@ fn decode(picture: &EncodedPicture, budget: &Budget) -> Result<Texture, String> 
     limits.max_image_width = Some(budget.max_image_side);
     limits.max_image_height = Some(budget.max_image_side);
     reader.limits(limits);
+    let mime = match reader.format() {
+        Some(image::ImageFormat::Jpeg) => "image/jpeg",
+        _ => "image/png",
+    };
     let decoded = reader.decode().map_err(|e| left_out(format!("it is damaged ({e}). Save it again.")))?;
     let mut kept = decoded.into_rgba8();
     while kept.width().max(kept.height()) > budget.kept_image_side {
         kept = halved(&kept);
     }
-    Ok(Texture { name: picture.name.clone(), width: kept.width(), height: kept.height(), rgba: kept.into_raw() })
+    let file = Some(ImageFile { mime, bytes: picture.bytes.as_slice().into() });
+    let (width, height) = kept.dimensions();
+    Ok(Texture { name: picture.name.clone(), width, height, rgba: kept.into_raw(), file })
 }
 
 /// Every 2 x 2 pixels averaged into one.
