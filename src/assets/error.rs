@@ -20,7 +20,9 @@ pub enum Problem {
     #[error("it can't be read ({0}). Check that the file exists, is a plain file and may be read.")]
     Io(#[from] io::Error),
     /// More was promised than is there.
-    #[error("{needed} bytes are needed but {there} are there. The file is cut off or its counts are wrong: export or download it again.")]
+    #[error(
+        "{needed} bytes are needed but {there} are there. The file is cut off or its counts are wrong: export or download it again."
+    )]
     Truncated {
         /// Bytes that the counts ask for.
         needed: u64,
@@ -38,7 +40,9 @@ pub enum Problem {
         limit: u64,
     },
     /// A number that points to something that isn't there.
-    #[error("{what} {index} does not exist, there are {count}. The file contradicts itself: export it again.")]
+    #[error(
+        "{what} {index} does not exist, there are {count}. The file contradicts itself: export it again."
+    )]
     OutOfRange {
         /// What is pointed to.
         what: &'static str,
@@ -51,7 +55,9 @@ pub enum Problem {
     #[error("{0}. The file is damaged or not what its name says: export it again.")]
     Malformed(String),
     /// A reference that leaves the file's folder.
-    #[error("\"{0}\" points outside the file's own folder, which is never followed. Put that file beside this one and refer to it by name, or export as one GLB.")]
+    #[error(
+        "\"{0}\" points outside the file's own folder, which is never followed. Put that file beside this one and refer to it by name, or export as one GLB."
+    )]
     OutsideFolder(String),
     /// A valid file that uses what isn't supported.
     #[error("it uses {feature}, which is not supported. {remedy}")]

@@ -127,7 +127,8 @@ fn with_normals(mesh: Mesh) -> Mesh {
     let normal_at = |t: usize, k: usize| {
         let place = place_of[mesh.triangles[t][k] as usize] as usize;
         let here = &corners[start[place] as usize..start[place + 1] as usize];
-        let smooth = |other: usize| here.len() > MAX_CORNERS_COMPARED || units[t].dot(units[other]) > CREASE_COS;
+        let smooth =
+            |other: usize| here.len() > MAX_CORNERS_COMPARED || units[t].dot(units[other]) > CREASE_COS;
         let sum: Vec3 = here
             .iter()
             .map(|&corner| (corner as usize / 3, corner as usize % 3))
@@ -136,10 +137,8 @@ fn with_normals(mesh: Mesh) -> Mesh {
             .sum();
         sum.normalize_or(units[t])
     };
-    let normals: Vec<[Vec3; 3]> = (0..mesh.triangles.len())
-        .into_par_iter()
-        .map(|t| std::array::from_fn(|k| normal_at(t, k)))
-        .collect();
+    let normals: Vec<[Vec3; 3]> =
+        (0..mesh.triangles.len()).into_par_iter().map(|t| std::array::from_fn(|k| normal_at(t, k))).collect();
     split_at_creases(&mesh, &normals)
 }
 
@@ -205,7 +204,8 @@ mod tests {
 
     /// A closed box of eight shared vertices.
     fn cube() -> Mesh {
-        let positions = (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32)).collect();
+        let positions =
+            (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32)).collect();
         let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         Mesh { positions, triangles, ..Mesh::default() }

@@ -210,7 +210,15 @@ impl Reader {
             dropped.add(lost);
             if !mesh.triangles.is_empty() {
                 let file_from_mesh = Affine3A::IDENTITY;
-                model.parts.push(Part { name, node, path, mesh: Arc::new(mesh), material, file_from_mesh, extras: None });
+                model.parts.push(Part {
+                    name,
+                    node,
+                    path,
+                    mesh: Arc::new(mesh),
+                    material,
+                    file_from_mesh,
+                    extras: None,
+                });
             }
         }
         model.notes.extend(dropped.notes());
@@ -254,7 +262,11 @@ impl Reader {
             if let Some(file) = &found.picture {
                 let known = picture_of.entry(file.clone()).or_insert_with(|| {
                     let bytes = picture_bytes(file, around, &mut model.notes)?;
-                    pictures.push(EncodedPicture { name: file.clone(), place: format!("map_Kd {file}"), bytes });
+                    pictures.push(EncodedPicture {
+                        name: file.clone(),
+                        place: format!("map_Kd {file}"),
+                        bytes,
+                    });
                     Some(pictures.len() - 1)
                 });
                 material.base_color_texture = *known;
@@ -265,7 +277,9 @@ impl Reader {
             model.materials.push(material);
         }
         if undefined > 0 {
-            model.notes.push(format!("{undefined} materials are named but not defined: their look is plain grey"));
+            model
+                .notes
+                .push(format!("{undefined} materials are named but not defined: their look is plain grey"));
         }
         let mut texture_of = Vec::with_capacity(pictures.len());
         for decoded in decode_all(&pictures, around.budget)? {

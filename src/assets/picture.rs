@@ -54,8 +54,9 @@ fn sides(bytes: &[u8]) -> Option<(u32, u32)> {
 
 fn decode(picture: &EncodedPicture, budget: &Budget) -> Result<Texture, String> {
     let left_out = |why: String| format!("{}: left out, {why}", picture.place);
-    let (width, height) = sides(&picture.bytes)
-        .ok_or_else(|| left_out("it is not a PNG or JPEG picture. Convert it to one of these.".to_string()))?;
+    let (width, height) = sides(&picture.bytes).ok_or_else(|| {
+        left_out("it is not a PNG or JPEG picture. Convert it to one of these.".to_string())
+    })?;
     if width.max(height) > budget.max_image_side {
         return Err(left_out(format!(
             "{width} x {height} pixels are more than the limit of {} a side. Make it smaller.",
@@ -85,7 +86,8 @@ fn decode(picture: &EncodedPicture, budget: &Budget) -> Result<Texture, String> 
 fn halved(picture: &image::RgbaImage) -> image::RgbaImage {
     let (width, height) = (picture.width(), picture.height());
     image::RgbaImage::from_fn((width / 2).max(1), (height / 2).max(1), |x, y| {
-        let at = |dx: u32, dy: u32| picture.get_pixel((2 * x + dx).min(width - 1), (2 * y + dy).min(height - 1)).0;
+        let at =
+            |dx: u32, dy: u32| picture.get_pixel((2 * x + dx).min(width - 1), (2 * y + dy).min(height - 1)).0;
         let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
         image::Rgba(std::array::from_fn(|c| (four.iter().map(|p| u32::from(p[c])).sum::<u32>() / 4) as u8))
     })

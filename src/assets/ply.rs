@@ -134,7 +134,9 @@ fn header(bytes: &[u8]) -> Result<Header, Fault> {
     }
     let mut header = Header { encoding: Encoding::Ascii, elements: Vec::new(), texture: None, length: 0 };
     let mut has_format = false;
-    for (number, line) in bytes[..bytes.len().min(MAX_HEADER_BYTES)].split_inclusive(|&b| b == b'\n').enumerate() {
+    for (number, line) in
+        bytes[..bytes.len().min(MAX_HEADER_BYTES)].split_inclusive(|&b| b == b'\n').enumerate()
+    {
         header.length += line.len();
         let line = String::from_utf8_lossy(line);
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -146,7 +148,12 @@ fn header(bytes: &[u8]) -> Result<Header, Fault> {
                     "ascii" => Encoding::Ascii,
                     "binary_little_endian" => Encoding::Little,
                     "binary_big_endian" => Encoding::Big,
-                    _ => return Err(Fault::malformed(place(), format!("\"{encoding}\" is not one of PLY's formats"))),
+                    _ => {
+                        return Err(Fault::malformed(
+                            place(),
+                            format!("\"{encoding}\" is not one of PLY's formats"),
+                        ));
+                    }
                 };
             }
             ["comment", "TextureFile", ..] => {
@@ -159,9 +166,13 @@ fn header(bytes: &[u8]) -> Result<Header, Fault> {
                 header.elements.push(Element { name: name.to_string(), count, properties: Vec::new() });
             }
             ["property", ref rest @ ..] => {
-                let property = property(rest).ok_or_else(|| Fault::malformed(place(), "not a PLY property"))?;
+                let property =
+                    property(rest).ok_or_else(|| Fault::malformed(place(), "not a PLY property"))?;
                 let element = header.elements.last_mut();
-                element.ok_or_else(|| Fault::malformed(place(), "a property before any element"))?.properties.push(property);
+                element
+                    .ok_or_else(|| Fault::malformed(place(), "a property before any element"))?
+                    .properties
+                    .push(property);
             }
             ["end_header"] if has_format => return Ok(header),
             ["end_header"] => return Err(Fault::malformed(place(), "the header names no format")),
@@ -199,7 +210,8 @@ impl Body<'_> {
         };
         let each: u64 = element.properties.iter().map(smallest).sum();
         // The last number of an ascii file needs no space behind it.
-        let needed = element.count.saturating_mul(each).saturating_sub(u64::from(self.encoding == Encoding::Ascii));
+        let needed =
+            element.count.saturating_mul(each).saturating_sub(u64::from(self.encoding == Encoding::Ascii));
         let there = self.bytes.len().saturating_sub(self.at) as u64;
         if each == 0 && element.count > 0 {
             return Err(Fault::malformed(place, "it has elements but no properties"));
@@ -214,7 +226,10 @@ impl Body<'_> {
         let value = match self.encoding {
             Encoding::Ascii => self.word()?,
             Encoding::Little | Encoding::Big => {
-                let bytes = self.bytes.get(self.at..self.at + kind.size()).ok_or_else(|| self.cut_off(kind.size()))?;
+                let bytes = self
+                    .bytes
+                    .get(self.at..self.at + kind.size())
+                    .ok_or_else(|| self.cut_off(kind.size()))?;
                 self.at += kind.size();
                 kind.decode(bytes, self.encoding == Encoding::Big)
             }
@@ -358,7 +373,9 @@ impl Raw {
             let place = || format!("{} {face}", element.name);
             for p in &element.properties {
                 match (p.length, p.name.as_str()) {
-                    (Some(length), "vertex_indices" | "vertex_index") => body.list(length, p.value, &mut corners)?,
+                    (Some(length), "vertex_indices" | "vertex_index") => {
+                        body.list(length, p.value, &mut corners)?
+                    }
                     (Some(length), "texcoord") => body.list(length, p.value, &mut uvs)?,
                     (Some(length), _) => body.list(length, p.value, &mut unused)?,
                     (None, _) => drop(body.number(p.value)?),
@@ -384,7 +401,9 @@ impl Raw {
     fn face(&mut self, corners: &[f64], uvs: &[f64], place: &impl Fn() -> String) -> Result<(), Fault> {
         let vertices: Vec<u32> = corners.iter().map(|n| self.vertex(*n, place)).collect::<Result<_, _>>()?;
         let own_uvs = uvs.len() == 2 * vertices.len() && !uvs.is_empty();
-        let uv = |k: usize| if own_uvs { Vec2::new(uvs[2 * k] as f32, 1.0 - uvs[2 * k + 1] as f32) } else { Vec2::ZERO };
+        let uv = |k: usize| {
+            if own_uvs { Vec2::new(uvs[2 * k] as f32, 1.0 - uvs[2 * k + 1] as f32) } else { Vec2::ZERO }
+        };
         let triangles = if vertices.len() == 3 {
             vec![[0, 1, 2]]
         } else {
@@ -404,7 +423,8 @@ impl Raw {
     /// Strips, each ended by -1 (Stanford's scans).
     fn strips(&mut self, corners: &[f64], place: &impl Fn() -> String) -> Result<(), Fault> {
         for strip in corners.split(|&n| n < 0.0) {
-            let vertices: Vec<u32> = strip.iter().map(|n| self.vertex(*n, place)).collect::<Result<_, _>>()?;
+            let vertices: Vec<u32> =
+                strip.iter().map(|n| self.vertex(*n, place)).collect::<Result<_, _>>()?;
             for (i, w) in vertices.windows(3).enumerate() {
                 self.mesh.triangles.push(if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] });
             }
@@ -456,7 +476,11 @@ fn color_byte(value: f64, kind: Number) -> u8 {
 /// One vertex for each corner, with its own texture coordinate.
 fn with_corner_uvs(mesh: &Mesh, corner_uvs: &[[Vec2; 3]]) -> Mesh {
     fn each<T: Copy>(mesh: &Mesh, of: &[T]) -> Vec<T> {
-        if of.is_empty() { Vec::new() } else { mesh.triangles.iter().flatten().map(|&v| of[v as usize]).collect() }
+        if of.is_empty() {
+            Vec::new()
+        } else {
+            mesh.triangles.iter().flatten().map(|&v| of[v as usize]).collect()
+        }
     }
     Mesh {
         positions: each(mesh, &mesh.positions),

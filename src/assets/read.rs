@@ -59,7 +59,8 @@ fn read(name: &str, bytes: &[u8], around: Surroundings) -> Result<Model, Fault> 
 }
 
 fn format_of(name: &str, bytes: &[u8]) -> Result<Format, Fault> {
-    let extension = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let extension =
+        Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
         "glb" | "gltf" | "vrm" => return Ok(Format::Gltf),
         "obj" => return Ok(Format::Obj),
@@ -76,7 +77,11 @@ fn format_of(name: &str, bytes: &[u8]) -> Result<Format, Fault> {
     } else if is_text && has_vertex_line() {
         Ok(Format::Obj)
     } else {
-        let kind = if extension.is_empty() { "an unknown format".to_string() } else { format!("the format .{extension}") };
+        let kind = if extension.is_empty() {
+            "an unknown format".to_string()
+        } else {
+            format!("the format .{extension}")
+        };
         let remedy = "GLB, glTF, OBJ and PLY are read: export it as GLB, for example from Blender.";
         Err(Fault::new("the first bytes", Problem::Unsupported { feature: kind, remedy }))
     }

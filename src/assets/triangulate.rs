@@ -26,7 +26,8 @@ fn fan(n: usize) -> Vec<[usize; 3]> {
 /// The polygon seen against its normal (Newell's), counter-clockwise.
 fn flattened(corners: &[Vec3]) -> Vec<Vec2> {
     let next = |i: usize| corners[(i + 1) % corners.len()];
-    let normal: Vec3 = corners.iter().enumerate().map(|(i, &p)| (p - corners[0]).cross(next(i) - corners[0])).sum();
+    let normal: Vec3 =
+        corners.iter().enumerate().map(|(i, &p)| (p - corners[0]).cross(next(i) - corners[0])).sum();
     let normal = normal.normalize_or(Vec3::Z);
     let right = normal.any_orthonormal_vector();
     let up = normal.cross(right);
@@ -74,7 +75,8 @@ mod tests {
     use super::*;
 
     fn area(corners: &[Vec3], triangles: &[[usize; 3]]) -> f32 {
-        let one = |t: &[usize; 3]| (corners[t[1]] - corners[t[0]]).cross(corners[t[2]] - corners[t[0]]).y * 0.5;
+        let one =
+            |t: &[usize; 3]| (corners[t[1]] - corners[t[0]]).cross(corners[t[2]] - corners[t[0]]).y * 0.5;
         triangles.iter().map(one).inspect(|a| assert!(*a >= 0.0, "turned over")).sum()
     }
 

@@ -27,20 +27,28 @@ impl Surroundings<'_> {
     /// The bytes of the file `name`, relative to the folder, with either kind of slash.
     pub fn read_file(&self, place: &str, name: &str) -> Result<Vec<u8>, Fault> {
         let path = self.resolve(place, name)?;
-        read_plain_file(&path, self.budget).map_err(|fault| Fault::new(format!("{place} ({name})"), fault.problem))
+        read_plain_file(&path, self.budget)
+            .map_err(|fault| Fault::new(format!("{place} ({name})"), fault.problem))
     }
 
     fn resolve(&self, place: &str, name: &str) -> Result<PathBuf, Fault> {
         let outside = || Fault::new(place, Problem::OutsideFolder(shortened(name)));
         let relative = inside(name).ok_or_else(outside)?;
         let Some(folder) = self.folder else {
-            return Err(Fault::new(place, Problem::Unsupported {
-                feature: format!("the external file \"{}\" although it is itself not a file on disk", shortened(name)),
-                remedy: "Embed everything in one GLB.",
-            }));
+            return Err(Fault::new(
+                place,
+                Problem::Unsupported {
+                    feature: format!(
+                        "the external file \"{}\" although it is itself not a file on disk",
+                        shortened(name)
+                    ),
+                    remedy: "Embed everything in one GLB.",
+                },
+            ));
         };
         let path = folder.join(relative);
-        let real = |path: &Path| fs::canonicalize(path).map_err(|e| Fault::new(format!("{place} ({name})"), e));
+        let real =
+            |path: &Path| fs::canonicalize(path).map_err(|e| Fault::new(format!("{place} ({name})"), e));
         if real(&path)?.starts_with(real(folder)?) { Ok(path) } else { Err(outside()) }
     }
 }
@@ -81,7 +89,11 @@ pub(super) fn read_plain_file(path: &Path, budget: &Budget) -> Result<Vec<u8>, F
 
 /// Long URIs cut to what fits a message.
 fn shortened(uri: &str) -> String {
-    if uri.chars().count() <= 80 { uri.to_string() } else { uri.chars().take(77).chain("...".chars()).collect() }
+    if uri.chars().count() <= 80 {
+        uri.to_string()
+    } else {
+        uri.chars().take(77).chain("...".chars()).collect()
+    }
 }
 
 fn percent_decoded(uri: &str) -> String {
@@ -155,7 +167,9 @@ mod tests {
 
     #[test]
     fn no_name_leads_out_of_the_folder() {
-        for bad in ["", "/etc/passwd", "../a", "a/../../b", "..\\a", "C:\\a", "file:///a", "http://h/a", "\\\\h\\a"] {
+        for bad in
+            ["", "/etc/passwd", "../a", "a/../../b", "..\\a", "C:\\a", "file:///a", "http://h/a", "\\\\h\\a"]
+        {
             assert_eq!(inside(bad), None, "{bad}");
         }
         assert_eq!(inside("./tex/../tex\\wood.png"), Some(PathBuf::from("tex/wood.png")));

@@ -45,7 +45,9 @@ impl Component {
             5123 => Self::U16,
             5125 => Self::U32,
             5126 => Self::F32,
-            other => return Err(Fault::malformed(place, format!("component type {other} is not one of glTF's"))),
+            other => {
+                return Err(Fault::malformed(place, format!("component type {other} is not one of glTF's")));
+            }
         })
     }
 
@@ -132,11 +134,14 @@ impl<'a> Buffers<'a> {
             .get(index)
             .ok_or_else(|| Fault::out_of_range("bufferViews", "buffer view", index, views.len()))?;
         if let Some(name) = view.extensions.keys().find(|name| name.contains("meshopt")) {
-            return Err(Fault::new(place, Problem::Unsupported {
-                feature: format!("meshopt compression ({name})"),
-                remedy: "Decompress it first, e.g. by importing it into Blender and exporting it again, or with \
+            return Err(Fault::new(
+                place,
+                Problem::Unsupported {
+                    feature: format!("meshopt compression ({name})"),
+                    remedy: "Decompress it first, e.g. by importing it into Blender and exporting it again, or with \
                          `gltf-transform copy IN.glb OUT.glb`.",
-            }));
+                },
+            ));
         }
         let buffer = self
             .bytes
@@ -149,7 +154,10 @@ impl<'a> Buffers<'a> {
         }
         let stride = match view.byte_stride {
             Some(stride) if stride > 252 => {
-                return Err(Fault::malformed(place, format!("a stride of {stride} bytes is above glTF's 252")));
+                return Err(Fault::malformed(
+                    place,
+                    format!("a stride of {stride} bytes is above glTF's 252"),
+                ));
             }
             stride => stride.map(|s| s as usize).filter(|s| *s > 0),
         };
@@ -157,7 +165,13 @@ impl<'a> Buffers<'a> {
     }
 
     /// Accessor `index`, checked to be one of `kinds` (`SCALAR`, `VEC2`, ...). `user` says who asks for it.
-    pub fn elements(&self, index: usize, kinds: &[&str], user: &str, budget: &Budget) -> Result<Elements<'_>, Fault> {
+    pub fn elements(
+        &self,
+        index: usize,
+        kinds: &[&str],
+        user: &str,
+        budget: &Budget,
+    ) -> Result<Elements<'_>, Fault> {
         let accessors = &self.document.accessors;
         let accessor = accessors
             .get(index)
@@ -165,7 +179,10 @@ impl<'a> Buffers<'a> {
         let place = format!("accessors[{index}] ({user})");
         if !kinds.contains(&accessor.kind.as_str()) {
             let found = &accessor.kind;
-            return Err(Fault::malformed(place, format!("its type is \"{found}\" where {} is due", kinds.join(" or "))));
+            return Err(Fault::malformed(
+                place,
+                format!("its type is \"{found}\" where {} is due", kinds.join(" or ")),
+            ));
         }
         let component = Component::of(accessor.component_type, &place)?;
         let components = match accessor.kind.as_str() {
@@ -175,14 +192,28 @@ impl<'a> Buffers<'a> {
             _ => 4,
         };
         let size = component.size() * components;
-        let limit = if kinds.contains(&"SCALAR") { budget.max_triangles.saturating_mul(3) } else { budget.max_vertices };
+        let limit = if kinds.contains(&"SCALAR") {
+            budget.max_triangles.saturating_mul(3)
+        } else {
+            budget.max_vertices
+        };
         Budget::check(&place, "elements", accessor.count, limit as u64)?;
         let (bytes, stride) = self.run(accessor, size, &place)?;
         let replaced = self.replaced(accessor, size, &place)?;
         if bytes.is_empty() && replaced.is_empty() && accessor.count > 0 {
-            return Err(Fault::malformed(place, format!("it promises {} elements but refers to no bytes", accessor.count)));
+            return Err(Fault::malformed(
+                place,
+                format!("it promises {} elements but refers to no bytes", accessor.count),
+            ));
         }
-        Ok(Elements { bytes, stride, component, normalized: accessor.normalized, count: accessor.count as usize, replaced })
+        Ok(Elements {
+            bytes,
+            stride,
+            component,
+            normalized: accessor.normalized,
+            count: accessor.count as usize,
+            replaced,
+        })
     }
 
     /// The bytes from the accessor's first element on, and the step from one element to the next.

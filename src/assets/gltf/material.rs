@@ -51,7 +51,8 @@ pub fn read(buffers: &Buffers, around: Surroundings, notes: &mut Vec<String>) ->
             Err(note) => notes.push(note),
         }
     }
-    let texture_of = |t: &TextureInfo| document.textures.get(t.index)?.source.and_then(|i| texture_of_image[i]);
+    let texture_of =
+        |t: &TextureInfo| document.textures.get(t.index)?.source.and_then(|i| texture_of_image[i]);
     let look_of = |m| look(m, base_texture(m).and_then(texture_of));
     let materials = document.materials.iter().map(look_of).chain([Material::default()]).collect();
     Ok(Looks { materials, textures })
@@ -61,7 +62,8 @@ pub fn read(buffers: &Buffers, around: Surroundings, notes: &mut Vec<String>) ->
 fn wanted_images(document: &Document, notes: &mut Vec<String>) -> Result<Vec<usize>, Fault> {
     let mut wanted = std::collections::BTreeSet::new();
     let mut unreadable = std::collections::BTreeSet::new();
-    for (m, texture) in document.materials.iter().enumerate().filter_map(|(m, x)| Some((m, base_texture(x)?))) {
+    for (m, texture) in document.materials.iter().enumerate().filter_map(|(m, x)| Some((m, base_texture(x)?)))
+    {
         let place = format!("materials[{m}]");
         let count = document.textures.len();
         let Some(found) = document.textures.get(texture.index) else {
@@ -97,7 +99,9 @@ fn encoded(
         (Some(view), _) => buffers.view(view)?.0.to_vec(),
         (None, Some(uri)) => match around.read_uri(&place, uri) {
             Ok(bytes) => bytes,
-            Err(Fault { place, problem: Problem::Io(e) }) => return Ok(Err(format!("{place}: left out, {e}"))),
+            Err(Fault { place, problem: Problem::Io(e) }) => {
+                return Ok(Err(format!("{place}: left out, {e}")));
+            }
             Err(fault) => return Err(fault),
         },
         (None, None) => return Ok(Err(format!("{place}: left out, it refers to no bytes"))),

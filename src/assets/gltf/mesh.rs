@@ -56,11 +56,14 @@ fn refuse_draco(buffers: &Buffers, primitive: &Primitive, position: usize, place
     if !compressed || has_fallback {
         return Ok(());
     }
-    Err(Fault::new(place, Problem::Unsupported {
-        feature: "Draco compression (KHR_draco_mesh_compression)".to_string(),
-        remedy: "Export it without compression, e.g. by importing it into Blender and exporting it again with \
+    Err(Fault::new(
+        place,
+        Problem::Unsupported {
+            feature: "Draco compression (KHR_draco_mesh_compression)".to_string(),
+            remedy: "Export it without compression, e.g. by importing it into Blender and exporting it again with \
                  \"Compression\" off, or with `gltf-transform copy IN.glb OUT.glb`.",
-    }))
+        },
+    ))
 }
 
 /// The vertex of every corner, each checked to exist.
@@ -74,7 +77,10 @@ fn corners(
     let Some(accessor) = primitive.indices else { return Ok((0..vertices as u32).collect()) };
     let elements = buffers.elements(accessor, &["SCALAR"], &format!("{place} indices"), budget)?;
     let corners = elements.indices().ok_or_else(|| {
-        Fault::malformed(format!("accessors[{accessor}] ({place} indices)"), "indices must be unsigned integers")
+        Fault::malformed(
+            format!("accessors[{accessor}] ({place} indices)"),
+            "indices must be unsigned integers",
+        )
     })?;
     match corners.iter().position(|&v| v as usize >= vertices) {
         Some(at) => {
@@ -172,7 +178,8 @@ impl Optional<'_> {
     }
 
     fn colors(&self) -> Result<Vec<[u8; 4]>, Fault> {
-        let alpha = |accessor: &usize| self.buffers.document.accessors.get(*accessor).map(|a| a.kind == "VEC4");
+        let alpha =
+            |accessor: &usize| self.buffers.document.accessors.get(*accessor).map(|a| a.kind == "VEC4");
         let has_alpha = self.primitive.attributes.get("COLOR_0").and_then(alpha).unwrap_or(false);
         let elements = self.elements("COLOR_0", &["VEC3", "VEC4"])?;
         Ok(elements.map_or_else(Vec::new, |e| {

@@ -63,7 +63,9 @@ fn read_meshes(
     let mut shown = vec![false; meshes.len()];
     for place in placed {
         let here = format!("nodes[{}].mesh", place.node);
-        *shown.get_mut(place.mesh).ok_or_else(|| Fault::out_of_range(here, "mesh", place.mesh, meshes.len()))? = true;
+        *shown
+            .get_mut(place.mesh)
+            .ok_or_else(|| Fault::out_of_range(here, "mesh", place.mesh, meshes.len()))? = true;
     }
     let primitives: Vec<(usize, usize, &Primitive)> = (0..meshes.len())
         .filter(|m| shown[*m])
@@ -97,11 +99,16 @@ fn read_meshes(
 }
 
 /// Refuses a file whose primitives, sharing long accessors, would unfold to more than the budget.
-fn check_corners(document: &Document, primitives: &[(usize, usize, &Primitive)], around: Surroundings) -> Result<(), Fault> {
+fn check_corners(
+    document: &Document,
+    primitives: &[(usize, usize, &Primitive)],
+    around: Surroundings,
+) -> Result<(), Fault> {
     let mut corners: u64 = 0;
     for (m, p, primitive) in primitives {
         let accessor = primitive.indices.or_else(|| primitive.attributes.get("POSITION").copied());
-        corners = corners.saturating_add(accessor.and_then(|a| document.accessors.get(a)).map_or(0, |a| a.count));
+        corners =
+            corners.saturating_add(accessor.and_then(|a| document.accessors.get(a)).map_or(0, |a| a.count));
         let limit = (around.budget.max_triangles as u64).saturating_mul(3);
         super::Budget::check(&format!("meshes[{m}].primitives[{p}]"), "corners", corners, limit)?;
     }
@@ -122,13 +129,16 @@ fn read_primitive(
     }
     let texture = materials.get(material).and_then(material::base_texture);
     let read = mesh::read(buffers, primitive, texture, place, around.budget)?;
-    Ok(read.filter(|(mesh, _)| !mesh.triangles.is_empty()).map(|(mesh, lost)| (Arc::new(mesh), material, lost)))
+    Ok(read
+        .filter(|(mesh, _)| !mesh.triangles.is_empty())
+        .map(|(mesh, lost)| (Arc::new(mesh), material, lost)))
 }
 
 fn part(document: &Document, place: &nodes::Placed, mesh: &Arc<Mesh>, material: usize) -> Part {
     let node = document.nodes.get(place.node);
     let mesh_name = document.meshes.get(place.mesh).and_then(|m| m.name.clone());
-    let name = node.and_then(|n| n.name.clone()).or(mesh_name).unwrap_or_else(|| format!("node {}", place.node));
+    let name =
+        node.and_then(|n| n.name.clone()).or(mesh_name).unwrap_or_else(|| format!("node {}", place.node));
     Part {
         name,
         node: place.node,

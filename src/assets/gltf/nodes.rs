@@ -69,7 +69,9 @@ fn parents(nodes: &[Node], notes: &mut Vec<String>) -> Result<Vec<Option<usize>>
     for (index, node) in nodes.iter().enumerate() {
         for &child in &node.children {
             let place = format!("nodes[{index}].children");
-            let parent = parents.get_mut(child).ok_or_else(|| Fault::out_of_range(place, "node", child, nodes.len()))?;
+            let parent = parents
+                .get_mut(child)
+                .ok_or_else(|| Fault::out_of_range(place, "node", child, nodes.len()))?;
             second_parents += usize::from(parent.is_some_and(|first| first != index));
             parent.get_or_insert(index);
         }
@@ -106,7 +108,11 @@ fn check_depths(parents: &[Option<usize>], budget: &Budget) -> Result<(), Fault>
 }
 
 /// The roots of the scene to show: the default one, else the first, else every node without a parent.
-fn roots(document: &Document, parents: &[Option<usize>], notes: &mut Vec<String>) -> Result<Vec<usize>, Fault> {
+fn roots(
+    document: &Document,
+    parents: &[Option<usize>],
+    notes: &mut Vec<String>,
+) -> Result<Vec<usize>, Fault> {
     let scenes = &document.scenes;
     let chosen = document.scene.unwrap_or(0);
     if scenes.is_empty() {
@@ -186,12 +192,16 @@ pub fn refuse_required_extensions(document: &Document) -> Result<(), Fault> {
         "KHR_draco_mesh_compression",
     ];
     // Draco and meshopt are refused where they are used, with the place; pictures are left out with a note.
-    let known = |name: &str| UNDERSTOOD.contains(&name) || name.contains("meshopt") || name.contains("_materials_");
+    let known =
+        |name: &str| UNDERSTOOD.contains(&name) || name.contains("meshopt") || name.contains("_materials_");
     match document.extensions_required.iter().find(|name| !known(name)) {
-        Some(name) => Err(Fault::new("extensionsRequired", Problem::Unsupported {
-            feature: format!("the glTF extension {name}"),
-            remedy: "Export it without that extension.",
-        })),
+        Some(name) => Err(Fault::new(
+            "extensionsRequired",
+            Problem::Unsupported {
+                feature: format!("the glTF extension {name}"),
+                remedy: "Export it without that extension.",
+            },
+        )),
         None => Ok(()),
     }
 }
