@@ -29,7 +29,7 @@ pub struct Occupied {
 
 impl Occupied {
     /// The space of a body with these joints.
-    pub fn new(bones: &[BoneSphere], joints: &[Vec3; crate::body::JOINTS]) -> Self {
+    pub fn new(bones: &[BoneSphere], joints: &[Vec3; crate::body::joints::JOINTS]) -> Self {
         let spheres: Vec<(Vec3, f32)> = bones.iter().map(|b| (b.center(joints), b.radius_m)).collect();
         let middle = joints[0];
         let reach_m = spheres.iter().map(|(c, r)| c.distance(middle) + r).fold(0.0, f32::max);

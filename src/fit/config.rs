@@ -116,7 +116,7 @@ fn rescue() -> FitConfig {
             pose_prior: 0.001,
             gap: 200.0,
             spread: 0.05,
-            collision: 4000.0,
+            collision: 20_000.0,
             bones: 100.0,
             self_collision: 40.0,
             joint_limits: 2.0,

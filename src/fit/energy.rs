@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::body::JOINTS;
+use crate::body::joints::JOINTS;
 use crate::scene::PARAMS;
 
 /// A term of an energy.

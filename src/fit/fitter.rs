@@ -5,7 +5,7 @@ use super::energy::{Energy, TERMS};
 use super::goals::contact_goals;
 use super::probe::Probe;
 use super::terms::{self, Distances};
-use crate::body::{Body, Gradients, Region, VertexSubset, Workspace};
+use crate::body::{Body, Gradients, VertexSubset, Workspace};
 use crate::job::{Cancelled, Ticker};
 use crate::math::Adam;
 use crate::scene::{BodyParams, PARAMS, PoseFamily, SignedDistanceField};
@@ -42,11 +42,7 @@ struct Scratch {
 impl<'a> Fitter<'a> {
     /// A fitter of `body`.
     pub fn new(body: &'a Body) -> Self {
-        let mut psi_contact: Vec<u32> =
-            Region::PROX.iter().flat_map(|r| body.regions().vertices(*r).iter().copied()).collect();
-        psi_contact.sort_unstable();
-        psi_contact.dedup();
-        Self { body, probe: Probe::new(body), psi_contact }
+        Self { body, probe: Probe::new(body), psi_contact: body.regions.prox_sample() }
     }
 
     /// Descends from `start`. `preview` gets the body every [`FitConfig::preview_every`] iterations.
@@ -170,7 +166,7 @@ impl<'a> Fitter<'a> {
         let joints = workspace.joints();
         terms::bones(energy, &self.probe, joints, &|p| field.sample_gradient(p), weights.bones);
         terms::self_collision(energy, &self.probe, joints, weights.self_collision);
-        terms::joint_limits(energy, workspace.local_pose(), self.body.joint_limits(), weights.joint_limits);
+        terms::joint_limits(energy, workspace.local_pose(), &[], weights.joint_limits);
         if matches!(family, PoseFamily::Stand) {
             terms::balance(energy, joints, weights.balance);
         }

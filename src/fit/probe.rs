@@ -103,13 +103,13 @@ impl Probe {
     pub fn new(body: &Body) -> Self {
         let mut chosen: BTreeSet<u32> = skin_sample(&body.model.template).into_iter().collect();
         for region in Region::ALL {
-            chosen.extend(body.regions().vertices(region));
+            chosen.extend(body.regions.sample(region));
         }
         let ids: Vec<u32> = chosen.into_iter().collect();
         let entry = |vertex: &u32| ids.binary_search(vertex).ok().map(|i| i as u32);
         let regions = Region::ALL
             .into_iter()
-            .map(|r| (r, body.regions().vertices(r).iter().filter_map(entry).collect()))
+            .map(|r| (r, body.regions.sample(r).iter().filter_map(entry).collect()))
             .collect();
         let bones = bone_spheres();
         let pairs = meeting_pairs(&bones);

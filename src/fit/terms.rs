@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::energy::{Energy, Term};
 use super::goals::ContactGoal;
 use super::probe::Probe;
-use crate::body::JOINTS;
+use crate::body::joints::JOINTS;
 use crate::body::joints as j;
 use crate::scene::{BodyParams, PARAMS};
 

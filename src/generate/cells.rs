@@ -22,8 +22,9 @@ impl Cells {
     pub fn new(surface: &SupportSurface) -> Self {
         let mut bins = HashMap::new();
         for cell in &surface.cells {
-            let height: &mut f32 = bins.entry(bin(flat(*cell))).or_insert(cell.y);
-            *height = height.max(cell.y);
+            let top = cell.position;
+            let height: &mut f32 = bins.entry(bin(flat(top))).or_insert(top.y);
+            *height = height.max(top.y);
         }
         Self { bins }
     }

@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 use rand::RngExt as _;
 
 use super::place::{Place, category, flat, name_of};
+use crate::body::families::{FamilyHints, LeanStyle};
 use crate::job::Rng;
 use crate::scene::{EdgePoint, PoseFamily, Room, RoomGeometry};
 
@@ -11,10 +12,14 @@ use crate::scene::{EdgePoint, PoseFamily, Room, RoomGeometry};
 const LEAN_HEIGHT_M: std::ops::RangeInclusive<f32> = 0.68..=1.15;
 /// From the edge of a table to the pelvis of somebody who leans on it with their hands.
 const HANDS_DISTANCE_M: f32 = 0.3;
+/// How far behind the edge the hands rest.
+const HANDS_ON_TOP_M: f32 = 0.06;
 /// From the edge of a counter to the pelvis of somebody who leans their hips against it.
 const HIPS_DISTANCE_M: f32 = 0.14;
 /// From a wall to the pelvis of somebody who leans their back against it.
 const WALL_DISTANCE_M: f32 = 0.16;
+/// From where one leans to the floor that one walks on.
+const STEP_M: f32 = 0.35;
 /// Height at which a wall is looked for behind a back.
 const BACK_HEIGHT_M: f32 = 1.1;
 /// Places drawn on the floor: enough that every corner of a room is among them.
@@ -22,12 +27,12 @@ const FLOOR_DRAWS: usize = 400;
 
 /// Places to stand, drawn evenly over the floor that can be reached.
 pub fn standing_places(geometry: &RoomGeometry, rng: &mut Rng) -> Vec<Place> {
-    let cells = geometry.floor.reachable_cells();
+    let cells: Vec<usize> = geometry.floor.largest_area().collect();
     if cells.is_empty() {
         return Vec::new();
     }
     let draw = |rng: &mut Rng| {
-        let cell = cells[rng.random_range(0..cells.len())];
+        let cell = geometry.floor.position(cells[rng.random_range(0..cells.len())]);
         let facing = Vec2::from_angle(rng.random_range(0.0..std::f32::consts::TAU));
         let view_m = open_view(geometry, cell, facing);
         floor_place(PoseFamily::Stand, cell, facing, "floor".to_owned(), 0.2 + view_m.min(2.5) / 2.5)
@@ -37,12 +42,12 @@ pub fn standing_places(geometry: &RoomGeometry, rng: &mut Rng) -> Vec<Place> {
 
 /// Places to lean with the back against a wall.
 pub fn wall_places(geometry: &RoomGeometry, rng: &mut Rng) -> Vec<Place> {
-    let cells = geometry.floor.reachable_cells();
+    let cells: Vec<usize> = geometry.floor.largest_area().collect();
     if cells.is_empty() {
         return Vec::new();
     }
     let draw = |rng: &mut Rng| {
-        let cell = cells[rng.random_range(0..cells.len())];
+        let cell = geometry.floor.position(cells[rng.random_range(0..cells.len())]);
         let (distance, gradient) = geometry.field.sample_gradient(cell + Vec3::Y * BACK_HEIGHT_M);
         let away = flat(gradient).normalize_or_zero();
         let upright = gradient.y.abs() < 0.2 && distance < 0.45 && away != Vec2::ZERO;
@@ -50,8 +55,11 @@ pub fn wall_places(geometry: &RoomGeometry, rng: &mut Rng) -> Vec<Place> {
         let whole = [0.5, 0.9, 1.3].iter().all(|h| {
             (geometry.field.sample(stand + Vec3::Y * *h) - WALL_DISTANCE_M).abs() < 0.05
         });
-        (upright && whole)
-            .then(|| floor_place(PoseFamily::Lean, stand, away, "wall".to_owned(), 0.6))
+        (upright && whole).then(|| {
+            let mut place = floor_place(PoseFamily::Lean, stand, away, "wall".to_owned(), 0.6);
+            place.hints.lean = Some(LeanStyle::BackOnWall);
+            place
+        })
     };
     (0..FLOOR_DRAWS).filter_map(|_| draw(rng)).collect()
 }
@@ -67,19 +75,26 @@ pub fn leaning_places(room: &Room, geometry: &RoomGeometry, index: usize) -> Vec
     let at = |edge: &EdgePoint, distance_m: f32, sign: f32| {
         let outward = flat(edge.outward).normalize_or_zero();
         let p = flat(edge.position) + outward * distance_m;
-        let floor = geometry.floor.height_near(p)?;
+        // Somebody can walk up to it: the walkable floor begins no farther than a step away.
+        let floor = geometry.floor.position(geometry.floor.nearest_walkable(p)?);
+        if flat(floor).distance(p) > STEP_M {
+            return None;
+        }
         let mut place = floor_place(
             PoseFamily::Lean,
-            Vec3::new(p.x, floor, p.y),
+            Vec3::new(p.x, floor.y, p.y),
             outward * sign,
             name_of(category, "edge"),
             weight,
         );
         place.support = Some(index);
-        place.lean_height_m = (sign < 0.0).then_some(edge.drop_m);
+        place.hints.table_height_m = Some(edge.drop_m);
+        place.hints.table_reach_m = Some(distance_m + HANDS_ON_TOP_M);
+        place.hints.lean =
+            Some(if sign < 0.0 { LeanStyle::HandsInFront } else { LeanStyle::HipsOnCounter });
         Some(place)
     };
-    let edges = surface.edges.iter().filter(|e| LEAN_HEIGHT_M.contains(&e.drop_m) && e.free_m > 0.3);
+    let edges = surface.edges.iter().filter(|e| LEAN_HEIGHT_M.contains(&e.drop_m) && e.body_free_m > 0.3);
     edges.flat_map(|e| [at(e, HANDS_DISTANCE_M, -1.0), at(e, HIPS_DISTANCE_M, 1.0)]).flatten().collect()
 }
 
@@ -89,8 +104,7 @@ fn floor_place(family: PoseFamily, at: Vec3, facing: Vec2, on: String, weight: f
         under_pelvis: at,
         facing,
         support: None,
-        seat_height_m: None,
-        lean_height_m: None,
+        hints: FamilyHints::default(),
         on,
         weight,
     }

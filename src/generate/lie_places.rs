@@ -5,6 +5,7 @@ use glam::Vec2;
 use super::cells::Cells;
 use super::place::{Place, category, flat, is_free_above, name_of};
 use super::seat_places::main_directions;
+use crate::body::families::FamilyHints;
 use crate::scene::{Category, PoseFamily, Room, RoomGeometry, SupportSurface};
 
 /// Heights over the floor that people lie down on.
@@ -21,19 +22,19 @@ pub fn lie_places(room: &Room, geometry: &RoomGeometry, index: usize, cells: &Ce
     let surface = &geometry.supports[index];
     let category = category(room, surface);
     let soft = matches!(category, Category::Bed | Category::Sofa | Category::Unlabeled | Category::Furniture);
-    let height_m = surface.height_m - geometry.floor_height_m();
-    if !soft || !HEIGHT_M.contains(&height_m) || surface.area_m2 < 0.6 {
+    let lowest_drop_m = surface.edges.iter().map(|e| e.drop_m).fold(f32::INFINITY, f32::min);
+    if !soft || !HEIGHT_M.contains(&lowest_drop_m) || surface.area_m2 < 0.6 {
         return Vec::new();
     }
     let mut places = Vec::new();
-    for cell in surface.cells.iter().step_by(5) {
+    for cell in surface.cells.iter().step_by(5).map(|c| c.position) {
         for head in main_directions(surface) {
-            let coverage = cells.coverage(flat(*cell), head, HALF_SIZE_M);
-            let pelvis = flat(*cell) - head * MIDDLE_TO_PELVIS_M;
+            let coverage = cells.coverage(flat(cell), head, HALF_SIZE_M);
+            let pelvis = flat(cell) - head * MIDDLE_TO_PELVIS_M;
             let Some(under_pelvis) = cells.point_at(pelvis).filter(|_| coverage >= LEAST_COVERAGE) else {
                 continue;
             };
-            if !is_free_along(geometry, flat(*cell), head, under_pelvis.y) {
+            if !is_free_along(geometry, flat(cell), head, under_pelvis.y) {
                 continue;
             }
             let weight = coverage * head_weight(surface, head);
@@ -43,8 +44,7 @@ pub fn lie_places(room: &Room, geometry: &RoomGeometry, index: usize, cells: &Ce
                     under_pelvis,
                     facing: head,
                     support: Some(index),
-                    seat_height_m: None,
-                    lean_height_m: None,
+                    hints: FamilyHints::default(),
                     on: name_of(category, "bed"),
                     weight,
                 });

@@ -1,5 +1,6 @@
 use glam::{Vec2, Vec3};
 
+use crate::body::families::FamilyHints;
 use crate::scene::{Category, ObjectId, PoseFamily, Room, RoomGeometry, SupportSurface};
 
 /// Somewhere that affords a pose: where the pelvis goes and which way the person faces.
@@ -12,12 +13,10 @@ pub struct Place {
     /// Horizontal unit vector (x, z): where a standing or sitting person faces; for lying families from the
     /// pelvis to the head.
     pub facing: Vec2,
-    /// Number of the support surface, `None` for the floor.
+    /// Number of the surface that is sat, lain or leaned on; `None` for floor and walls.
     pub support: Option<usize>,
-    /// Height of the seat over the floor in front of it, for sitting families.
-    pub seat_height_m: Option<f32>,
-    /// Height of the surface to lean on over the floor, for leaning on something in front.
-    pub lean_height_m: Option<f32>,
+    /// What the place says about the pose: seat, table and armrest heights, how to lean.
+    pub hints: FamilyHints,
     /// Name of what holds the person.
     pub on: String,
     /// How inviting it is among places of its family; 1 for a usual one.

