@@ -19,12 +19,7 @@ pub struct Surface {
 /// A matt surface of one colour.
 pub fn paint(color: Srgb) -> Material {
     let [r, g, b] = linear(color);
-    Material {
-        base_color: [r, g, b, 1.0],
-        roughness: 0.85,
-        double_sided: false,
-        ..Material::default()
-    }
+    Material { base_color: [r, g, b, 1.0], roughness: 0.85, double_sided: false, ..Material::default() }
 }
 
 /// Window glass: nearly clear.
@@ -188,8 +183,7 @@ impl ModelBuilder {
         let mut parts = Vec::new();
         for surface in surfaces.into_iter().filter(|s| !s.mesh.triangles.is_empty()) {
             let texture = surface.texture.map(|t| self.texture(&Arc::new(t)));
-            let material =
-                self.material(&Material { base_color_texture: texture, ..surface.material });
+            let material = self.material(&Material { base_color_texture: texture, ..surface.material });
             parts.push((Arc::new(surface.mesh), material));
         }
         self.shared_object(name, category, world, &parts);

@@ -214,7 +214,9 @@ pub enum LayoutError {
         problem: String,
     },
     /// A category isn't one of the known labels.
-    #[error("'{name}' has the unknown category '{category}'; use a label such as \"couch\", \"chair\" or \"objects\"")]
+    #[error(
+        "'{name}' has the unknown category '{category}'; use a label such as \"couch\", \"chair\" or \"objects\""
+    )]
     Category {
         /// The object.
         name: String,

@@ -144,9 +144,7 @@ impl Item {
                 picture(*size, *art, [colors.0, colors.1, colors.2, colors.3], *frame)?
             }
             Self::Table { size, top, legs } => table(Vec3::from(*size), *top, *legs),
-            Self::Wardrobe { size, doors, case, front } => {
-                wardrobe(Vec3::from(*size), *doors, *case, *front)
-            }
+            Self::Wardrobe { size, doors, case, front } => wardrobe(Vec3::from(*size), *doors, *case, *front),
             Self::Monitor { width_m } => monitor(*width_m),
             Self::Laptop => laptop(),
             Self::Keyboard => keyboard(),
@@ -213,7 +211,14 @@ fn lamp(height: f32, shade: Srgb, stand: Srgb) -> Vec<Surface> {
     let (foot, pole) = if short { (0.22 * height, 0.02) } else { (0.15, 0.012) };
     let (tall, wide) = if short { (height * 0.45, height * 0.34) } else { (0.30, 0.21) };
     let neck = height - tall;
-    let stand_profile = [(0.0, 0.0), (foot, 0.0), (foot, 0.02), (pole, 0.028), (pole, neck + tall * 0.5), (0.0, neck + tall * 0.5)];
+    let stand_profile = [
+        (0.0, 0.0),
+        (foot, 0.0),
+        (foot, 0.02),
+        (pole, 0.028),
+        (pole, neck + tall * 0.5),
+        (0.0, neck + tall * 0.5),
+    ];
     let (low, high, thin) = (wide, wide * 0.72, 0.004);
     let shade_profile = [
         (0.0, neck + tall * 0.5),
@@ -232,7 +237,14 @@ fn lamp(height: f32, shade: Srgb, stand: Srgb) -> Vec<Surface> {
 fn pendant(drop: f32, shade: Srgb) -> Vec<Surface> {
     const TALL_M: f32 = 0.22;
     const WIDE_M: f32 = 0.22;
-    let cable = [(0.0, TALL_M - 0.01), (0.004, TALL_M - 0.01), (0.004, drop - 0.02), (0.05, drop - 0.02), (0.05, drop), (0.0, drop)];
+    let cable = [
+        (0.0, TALL_M - 0.01),
+        (0.004, TALL_M - 0.01),
+        (0.004, drop - 0.02),
+        (0.05, drop - 0.02),
+        (0.05, drop),
+        (0.0, drop),
+    ];
     let bell = [
         (0.0, TALL_M * 0.75),
         (0.05, TALL_M * 0.72),
@@ -243,7 +255,14 @@ fn pendant(drop: f32, shade: Srgb) -> Vec<Surface> {
         (0.06, TALL_M * 0.88),
         (0.0, TALL_M),
     ];
-    let bulb = [(0.0, 0.05), (0.035, 0.07), (0.045, 0.10), (0.03, 0.14), (0.02, TALL_M * 0.74), (0.0, TALL_M * 0.75)];
+    let bulb = [
+        (0.0, 0.05),
+        (0.035, 0.07),
+        (0.045, 0.10),
+        (0.03, 0.14),
+        (0.02, TALL_M * 0.74),
+        (0.0, TALL_M * 0.75),
+    ];
     vec![
         metal(lathe(&cable, 12), BLACK),
         plain(lathe(&bell, 28), shade),
@@ -322,7 +341,10 @@ fn monitor(width: f32) -> Vec<Surface> {
     let high = width * 0.58;
     let lift = 0.11;
     let mut case = block(Vec3::ZERO, Vec3::new(width * 0.42, 0.012, 0.17));
-    case.append(&block(Vec3::new(0.0, 0.012, -0.03), Vec3::new(0.05, lift + high * 0.5, 0.018)), Affine3A::IDENTITY);
+    case.append(
+        &block(Vec3::new(0.0, 0.012, -0.03), Vec3::new(0.05, lift + high * 0.5, 0.018)),
+        Affine3A::IDENTITY,
+    );
     case.append(&block(Vec3::Y * lift, Vec3::new(width, high, 0.03)), Affine3A::IDENTITY);
     let rim = 0.012;
     let mut screen = Mesh::default();
@@ -348,7 +370,10 @@ fn laptop() -> Vec<Surface> {
     case.append(&block(Vec3::ZERO, Vec3::new(width, 0.215, 0.006)), open);
     let (mut screen, mut keys) = (Mesh::default(), Mesh::default());
     screen.append(&block(Vec3::new(0.0, 0.012, 0.0035), Vec3::new(width - 0.02, 0.19, 0.001)), open);
-    keys.append(&block(Vec3::new(0.0, 0.016, -0.025), Vec3::new(width * 0.86, 0.0015, depth * 0.42)), Affine3A::IDENTITY);
+    keys.append(
+        &block(Vec3::new(0.0, 0.016, -0.025), Vec3::new(width * 0.86, 0.0015, depth * 0.42)),
+        Affine3A::IDENTITY,
+    );
     keys.append(&block(Vec3::new(0.0, 0.016, 0.07), Vec3::new(0.1, 0.0008, 0.06)), Affine3A::IDENTITY);
     vec![metal(case, SILVER), lit(screen, Srgb(86, 128, 160), 0.5), plain(keys, BLACK)]
 }

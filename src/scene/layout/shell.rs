@@ -57,7 +57,14 @@ impl Shell {
         for (index, window) in layout.windows.iter().enumerate() {
             let bottom = window.sill_m;
             size("a window's sill", bottom, 0.0, height)?;
-            shell.open(&format!("window {index}"), window.wall, window.at_m, bottom, window.width_m, window.height_m)?;
+            shell.open(
+                &format!("window {index}"),
+                window.wall,
+                window.at_m,
+                bottom,
+                window.width_m,
+                window.height_m,
+            )?;
         }
         for (index, door) in layout.doors.iter().enumerate() {
             shell.open(&format!("door {index}"), door.wall, door.at_m, 0.0, door.width_m, door.height_m)?;
@@ -66,7 +73,15 @@ impl Shell {
     }
 
     /// Notes a hole after checking that it fits.
-    fn open(&mut self, what: &str, wall: usize, at: f32, bottom: f32, width: f32, high: f32) -> Result<(), LayoutError> {
+    fn open(
+        &mut self,
+        what: &str,
+        wall: usize,
+        at: f32,
+        bottom: f32,
+        width: f32,
+        high: f32,
+    ) -> Result<(), LayoutError> {
         let last = self.walls.len() - 1;
         let height = self.height;
         let Some(target) = self.walls.get_mut(wall) else {
@@ -108,7 +123,12 @@ impl Shell {
         }
         for (index, window) in layout.windows.iter().enumerate() {
             let world = self.walls[window.wall].world_from_wall;
-            model.object(&format!("Window {index}"), "window", world, window_surfaces(window, self.thickness));
+            model.object(
+                &format!("Window {index}"),
+                "window",
+                world,
+                window_surfaces(window, self.thickness),
+            );
         }
         for (index, door) in layout.doors.iter().enumerate() {
             let world = self.walls[door.wall].world_from_wall;
@@ -140,7 +160,11 @@ impl Shell {
                 mesh.positions.extend([a, b, c].map(|i| at(self.outer[i], y)));
                 mesh.normals.extend([normal; 3]);
                 // The outline runs clockwise seen from above.
-                mesh.triangles.push(if turn { [base, base + 1, base + 2] } else { [base, base + 2, base + 1] });
+                mesh.triangles.push(if turn {
+                    [base, base + 1, base + 2]
+                } else {
+                    [base, base + 2, base + 1]
+                });
             }
         }
         let n = self.outer.len();
@@ -180,8 +204,7 @@ impl Shell {
         let n = self.corners.len();
         let edges = || (0..n).map(|i| (self.corners[i], self.corners[(i + 1) % n]));
         let crossings = edges().filter(|(a, b)| {
-            (a.y > point.y) != (b.y > point.y)
-                && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+            (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
         });
         if crossings.count() % 2 == 1 {
             return 0.0;

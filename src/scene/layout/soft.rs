@@ -20,8 +20,7 @@ pub fn cushion(size: Vec3) -> Mesh {
     let half = Vec3::new(size.x, size.y, size.z) * 0.5;
     let at = |share: f32, rise: f32, p: Vec2| Vec3::new(p.x * share, 1.0 + rise, p.y * share) * half;
     for ring in 0..=RINGS * 2 {
-        let (sin, cos) =
-            (std::f64::consts::FRAC_PI_2 * (ring as f64 / RINGS as f64 - 1.0)).sin_cos();
+        let (sin, cos) = (std::f64::consts::FRAC_PI_2 * (ring as f64 / RINGS as f64 - 1.0)).sin_cos();
         let (share, rise) = (cos.max(0.0) as f32, sin as f32);
         for p in &rim {
             mesh.positions.push(at(share, rise, *p));
@@ -93,7 +92,12 @@ fn hem(mesh: &mut Mesh, front: &[Vec2], height: f32, thick: f32) {
     let last = front.len() - 1;
     for i in 0..last {
         mesh.quad([at(i, 0.0, thick), at(i + 1, 0.0, thick), at(i + 1, 0.0, 0.0), at(i, 0.0, 0.0)]);
-        mesh.quad([at(i, height, 0.0), at(i + 1, height, 0.0), at(i + 1, height, thick), at(i, height, thick)]);
+        mesh.quad([
+            at(i, height, 0.0),
+            at(i + 1, height, 0.0),
+            at(i + 1, height, thick),
+            at(i, height, thick),
+        ]);
     }
     mesh.quad([at(0, 0.0, thick), at(0, 0.0, 0.0), at(0, height, 0.0), at(0, height, thick)]);
     mesh.quad([at(last, 0.0, 0.0), at(last, 0.0, thick), at(last, height, thick), at(last, height, 0.0)]);

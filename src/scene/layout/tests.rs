@@ -119,8 +119,10 @@ fn a_wall_is_as_big_as_its_face_less_its_openings() {
 
 #[test]
 fn a_room_with_a_corner_cut_out_has_floor_only_where_the_room_is() {
-    let text = ROOM
-        .replace("Box(4.0, 3.0)", "Polygon([(-2, -1.5), (2, -1.5), (2, 1.5), (0, 1.5), (0, 0.5), (-2, 0.5)])");
+    let text = ROOM.replace(
+        "Box(4.0, 3.0)",
+        "Polygon([(-2, -1.5), (2, -1.5), (2, 1.5), (0, 1.5), (0, 0.5), (-2, 0.5)])",
+    );
     let model = build(&text).expect("composes");
     let floor = model.parts.iter().find(|p| p.name == "Floor").expect("a floor");
     let expected = (4.2 * 2.2 + 2.2 * 1.0) * 0.1;
@@ -139,12 +141,20 @@ fn the_same_layout_gives_the_same_bytes() {
 fn mistakes_in_a_layout_are_named_with_their_remedy() {
     assert!(problem("(name: \"x\",\n outlin: 3)").starts_with("line 2, column"));
     assert!(problem(&ROOM.replace("\"lighting\"", "\"lantern\"")).contains("'lantern'"));
-    assert!(problem(&ROOM.replace("Some(\"Desk\")", "Some(\"Shelf\")")).contains("'Shelf', which isn't placed"));
-    assert!(problem(&ROOM.replace("name: \"Lamp\"", "name: \"Desk\"")).contains("two objects are called 'Desk'"));
+    assert!(
+        problem(&ROOM.replace("Some(\"Desk\")", "Some(\"Shelf\")")).contains("'Shelf', which isn't placed")
+    );
+    assert!(
+        problem(&ROOM.replace("name: \"Lamp\"", "name: \"Desk\"")).contains("two objects are called 'Desk'")
+    );
     assert!(problem(&ROOM.replace("(-1.6, 0.0, -1.0)", "(-1.9, 0.0, -1.0)")).contains("out of the room"));
     assert!(problem(&ROOM.replace("wall: 0", "wall: 4")).contains("numbered 0 to 3"));
     assert!(problem(&ROOM.replace("width_m: 1.6", "width_m: 4.6")).contains("doesn't fit into wall 0"));
     assert!(problem(&ROOM.replace("height_m: 2.5", "height_m: -1.0")).contains("the room's height is -1 m"));
-    assert!(problem(&ROOM.replace("Box(4.0, 3.0)", "Polygon([(0, 0), (0, 3), (4, 3)])")).contains("clockwise"));
-    assert!(problem(&ROOM.replace("Laptop,", "Model(\"sofa.glb\"),")).contains("'sofa.glb' of 'Laptop': no file"));
+    assert!(
+        problem(&ROOM.replace("Box(4.0, 3.0)", "Polygon([(0, 0), (0, 3), (4, 3)])")).contains("clockwise")
+    );
+    assert!(
+        problem(&ROOM.replace("Laptop,", "Model(\"sofa.glb\"),")).contains("'sofa.glb' of 'Laptop': no file")
+    );
 }
