@@ -93,9 +93,4 @@ impl Energy {
     pub fn add(&mut self, term: Term, value: f32) {
         self.terms[term as usize] += value;
     }
-
-    /// The sum of all terms.
-    pub fn total(&self) -> f32 {
-        self.terms.iter().sum()
-    }
 }

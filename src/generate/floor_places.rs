@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use rand::RngExt as _;
 
 use super::place::{Place, category, flat, name_of};
-use crate::body::families::{FamilyHints, LeanStyle};
+use crate::body::{FamilyHints, LeanStyle};
 use crate::job::Rng;
 use crate::scene::{EdgePoint, PoseFamily, Room, RoomGeometry};
 

@@ -5,7 +5,7 @@ use glam::Vec2;
 use super::cells::Cells;
 use super::place::{Place, category, flat, is_free_above, name_of};
 use super::seat_places::main_directions;
-use crate::body::families::FamilyHints;
+use crate::body::FamilyHints;
 use crate::scene::{Category, PoseFamily, Room, RoomGeometry, SupportSurface};
 
 /// Heights over the floor that people lie down on.

@@ -1,6 +1,6 @@
 use glam::{Vec2, Vec3};
 
-use crate::body::families::FamilyHints;
+use crate::body::FamilyHints;
 use crate::scene::{Category, ObjectId, PoseFamily, Room, RoomGeometry, SupportSurface};
 
 /// Somewhere that affords a pose: where the pelvis goes and which way the person faces.

@@ -5,7 +5,7 @@ use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::place::{Place, flat};
-use crate::body::families::sample_pose;
+use crate::body::sample_pose;
 use crate::body::{Body, Region, VertexSubset, Workspace};
 use crate::job::Rng;
 use crate::scene::{BETAS, BodyParams, PoseFamily, RoomGeometry};
@@ -178,7 +178,7 @@ mod tests {
                 under_pelvis: Vec3::ZERO,
                 facing,
                 support: None,
-                hints: crate::body::families::FamilyHints::default(),
+                hints: crate::body::FamilyHints::default(),
                 on: String::new(),
                 weight: 1.0,
             };

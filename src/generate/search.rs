@@ -190,7 +190,7 @@ mod tests {
             under_pelvis: Vec3::X * x,
             facing: Vec2::Y,
             support: None,
-            hints: crate::body::families::FamilyHints::default(),
+            hints: crate::body::FamilyHints::default(),
             on: String::new(),
             weight,
         }

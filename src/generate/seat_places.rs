@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::cells::Cells;
 use super::place::{Place, at_height, category, flat, is_free_above, name_of};
-use crate::body::families::FamilyHints;
+use crate::body::FamilyHints;
 use crate::scene::{Category, EdgePoint, PoseFamily, Room, RoomGeometry, SupportSurface};
 
 /// Seat heights over the floor that an adult sits down on without climbing.
