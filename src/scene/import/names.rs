@@ -32,8 +32,22 @@ const LINKS: [&str; 12] = ["de", "da", "di", "del", "du", "des", "of", "for", "w
 
 /// Words that make a name a group's or a room's, not a thing's.
 const PLACES: [&str; 16] = [
-    "room", "rooms", "bedroom", "bathroom", "kitchen", "livingroom", "wohnzimmer", "schlafzimmer", "zimmer",
-    "scene", "group", "set", "collection", "salon", "cuisine", "house",
+    "room",
+    "rooms",
+    "bedroom",
+    "bathroom",
+    "kitchen",
+    "livingroom",
+    "wohnzimmer",
+    "schlafzimmer",
+    "zimmer",
+    "scene",
+    "group",
+    "set",
+    "collection",
+    "salon",
+    "cuisine",
+    "house",
 ];
 
 /// What a thing called `name` is, if any of its words says so.
@@ -80,7 +94,9 @@ fn phrase(words: &[String]) -> Option<Category> {
             return Some(category);
         }
     }
-    let end = COMPOUND_ENDS.iter().find(|end| before.is_empty() && last.len() > end.len() && last.ends_with(**end))?;
+    let end = COMPOUND_ENDS
+        .iter()
+        .find(|end| before.is_empty() && last.len() > end.len() && last.ends_with(**end))?;
     PHRASES.get(&vec![(*end).to_string()]).copied()
 }
 
@@ -91,7 +107,8 @@ fn words(name: &str) -> Vec<String> {
     let mut letters = name.chars().peekable();
     while let Some(c) = letters.next() {
         let next_is_lower = letters.peek().is_some_and(|n| n.is_lowercase());
-        let new_hump = c.is_uppercase() && (previous.is_lowercase() || (previous.is_uppercase() && next_is_lower));
+        let new_hump =
+            c.is_uppercase() && (previous.is_lowercase() || (previous.is_uppercase() && next_is_lower));
         if !c.is_alphabetic() || new_hump {
             words.push(String::new());
         }

@@ -84,7 +84,10 @@ fn stated_category(part: &Part) -> Option<Category> {
 fn material_category(model: &Model, parts: &[&Part]) -> Option<Category> {
     // Glass, paper and light are what many things are made of.
     let vague = |c: &Category| {
-        matches!(c, Category::Objects | Category::Misc | Category::Clothes | Category::Picture | Category::Lighting)
+        matches!(
+            c,
+            Category::Objects | Category::Misc | Category::Clothes | Category::Picture | Category::Lighting
+        )
     };
     let named = parts.iter().filter_map(|p| names::category(&model.materials.get(p.material)?.name));
     let mut found = named.filter(|c| !vague(c));

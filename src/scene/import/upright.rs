@@ -162,7 +162,8 @@ fn named_things(model: &Model) -> Vec<Named> {
         let Some(category) = names::category(&part.name) else { continue };
         let bounds = part.mesh.bounds();
         let corners = (0..8).map(|i| {
-            let pick = |bit: usize, axis: usize| if i >> bit & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
+            let pick =
+                |bit: usize, axis: usize| if i >> bit & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
             part.file_from_mesh.transform_point3(Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2)))
         });
         let bounds = Aabb::of(corners);
@@ -221,7 +222,8 @@ fn up_score(model: &Model, up: UpAxis, profile: &Profile, named: &[Named]) -> (f
     if cover > 0.3 {
         reasons.push(format!("a floor covers {:.0} % of the ground plan", cover * 100.0));
     }
-    let below: f32 = profile.up[..floor.saturating_sub(4)].iter().chain(&profile.down[..floor.saturating_sub(4)]).sum();
+    let below: f32 =
+        profile.up[..floor.saturating_sub(4)].iter().chain(&profile.down[..floor.saturating_sub(4)]).sum();
     let below = (below / profile.footprint()).min(1.0);
     let standing = 6.0 * (0.5 - profile.inner_height) * (profile.inner_share / 0.1).min(1.0);
     if standing > 0.4 {
@@ -233,9 +235,7 @@ fn up_score(model: &Model, up: UpAxis, profile: &Profile, named: &[Named]) -> (f
     if named > 1.0 {
         reasons.push("what is named floor, wall or ceiling lies accordingly".to_string());
     }
-    let score = prior
-        + 3.0 * cover
-        - 3.0 * below
+    let score = prior + 3.0 * cover - 3.0 * below
         + 1.5 * (cover - ceiling)
         + standing
         + flat
@@ -249,8 +249,20 @@ fn up_score(model: &Model, up: UpAxis, profile: &Profile, named: &[Named]) -> (f
 fn up_prior(model: &Model, up: UpAxis) -> f32 {
     let gltf = is_gltf(model);
     match up {
-        UpAxis::Y => if gltf { 3.0 } else { 0.5 },
-        UpAxis::Z => if gltf { 0.0 } else { 0.5 },
+        UpAxis::Y => {
+            if gltf {
+                3.0
+            } else {
+                0.5
+            }
+        }
+        UpAxis::Z => {
+            if gltf {
+                0.0
+            } else {
+                0.5
+            }
+        }
         UpAxis::NegY => -1.5,
         UpAxis::NegZ => -2.0,
         UpAxis::X | UpAxis::NegX => -2.5,
@@ -272,8 +284,20 @@ fn named_floor_score(up: UpAxis, profile: &Profile, named: &[Named]) -> f32 {
         let flat = size.y < 0.25 * size.x.min(size.z);
         let height = (bounds.center().y - profile.low) / profile.range().max(f32::MIN_POSITIVE);
         match thing.category {
-            Category::Floor => scores.push(if !flat { -3.0 } else if height < 0.35 { 4.0 } else { -2.0 }),
-            Category::Ceiling => scores.push(if !flat { -3.0 } else if height > 0.65 { 4.0 } else { -2.0 }),
+            Category::Floor => scores.push(if !flat {
+                -3.0
+            } else if height < 0.35 {
+                4.0
+            } else {
+                -2.0
+            }),
+            Category::Ceiling => scores.push(if !flat {
+                -3.0
+            } else if height > 0.65 {
+                4.0
+            } else {
+                -2.0
+            }),
             Category::Wall => scores.push(if flat { -1.0 } else { 0.5 }),
             _ => {}
         }
@@ -318,9 +342,9 @@ fn floor_level(profile: &Profile, levels: &[usize]) -> usize {
     // 12 % of a room of 2.7 m are 0.3 m: no slab is thicker, no seat lower.
     let close = lowest..(lowest + BINS * 12 / 100).min(BINS);
     let needed = 0.6 * profile.cover(lowest);
-    let on_top = close.filter(|&b| profile.cover_facing_up(b) >= needed).max_by(|a, b| {
-        profile.cover_facing_up(*a).total_cmp(&profile.cover_facing_up(*b)).then(b.cmp(a))
-    });
+    let on_top = close
+        .filter(|&b| profile.cover_facing_up(b) >= needed)
+        .max_by(|a, b| profile.cover_facing_up(*a).total_cmp(&profile.cover_facing_up(*b)).then(b.cmp(a)));
     on_top.unwrap_or(lowest)
 }
 
@@ -406,7 +430,11 @@ fn explain_unit(
         _ => format!("one unit is one {unit}"),
     };
     if is_room {
-        let top = if heights.ceiling.is_some() { "from floor to ceiling" } else { "from the floor to the top of the walls" };
+        let top = if heights.ceiling.is_some() {
+            "from floor to ceiling"
+        } else {
+            "from the floor to the top of the walls"
+        };
         words += &format!(", so the room measures {storey:.2} m {top}");
         if unit != "metre" {
             words += &format!("; in metres it would be {as_metres:.2} m");
@@ -459,7 +487,8 @@ fn explain_named(up: UpAxis, named: &[Named], scale: f32, evidence: &mut Vec<Str
 fn median_height(up: UpAxis, named: &[Named], category: Category) -> Option<f32> {
     let rotation = up.upright_from_file();
     let of = named.iter().filter(|n| n.category == category);
-    let mut heights: Vec<f32> = of.map(|n| (rotation * n.bounds.size()).y.abs()).filter(|h| *h > 0.0).collect();
+    let mut heights: Vec<f32> =
+        of.map(|n| (rotation * n.bounds.size()).y.abs()).filter(|h| *h > 0.0).collect();
     heights.sort_unstable_by(f32::total_cmp);
     heights.get(heights.len() / 2).copied()
 }
@@ -473,7 +502,8 @@ fn level_score(profile: &Profile, floor_bin: usize, scale: f32) -> f32 {
         let area = profile.up[bin];
         if (0.2..1.3).contains(&height_m) {
             all += area;
-            typical += if (0.40..0.50).contains(&height_m) || (0.70..0.80).contains(&height_m) { area } else { 0.0 };
+            typical +=
+                if (0.40..0.50).contains(&height_m) || (0.70..0.80).contains(&height_m) { area } else { 0.0 };
         }
     }
     // Less than half a percent of the ground plan is no furniture.
