@@ -12,11 +12,7 @@ pub struct SampleRoom {
 }
 
 static ROOMS: [SampleRoom; 3] = [
-    SampleRoom {
-        key: "living",
-        title: "Living room",
-        glb: include_bytes!("../../assets/rooms/living.glb"),
-    },
+    SampleRoom { key: "living", title: "Living room", glb: include_bytes!("../../assets/rooms/living.glb") },
     SampleRoom { key: "bedroom", title: "Bedroom", glb: include_bytes!("../../assets/rooms/bedroom.glb") },
     SampleRoom { key: "office", title: "Office", glb: include_bytes!("../../assets/rooms/office.glb") },
 ];
