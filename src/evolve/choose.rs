@@ -117,7 +117,8 @@ mod tests {
     #[test]
     fn a_new_pose_comes_before_one_more_of_the_same() {
         let chosen = [entry(0.0, PoseFamily::Stand, 0.0)];
-        let candidates = [Some(entry(3.0, PoseFamily::Stand, 0.0)), Some(entry(3.0, PoseFamily::SitSofa, 0.3))];
+        let candidates =
+            [Some(entry(3.0, PoseFamily::Stand, 0.0)), Some(entry(3.0, PoseFamily::SitSofa, 0.3))];
         assert_eq!(best(&candidates, &chosen), Some(1));
     }
 }

@@ -5,4 +5,4 @@
 mod choose;
 mod populate;
 
-pub use populate::{Populated, PopulatedPerson, PopulatePreview, PopulateRequest, populate};
+pub use populate::{PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};

@@ -68,7 +68,9 @@ impl<'a> Fitter<'a> {
             ticker.check()?;
             let gradient = self.energy_at(&x, &origin, family, &config.objective, field, &mut scratch);
             trace.push(scratch.energy.terms);
-            adam.set_learning_rate(config.adam.learning_rate * schedule(&config.objective, iteration, config));
+            adam.set_learning_rate(
+                config.adam.learning_rate * schedule(&config.objective, iteration, config),
+            );
             adam.step(&mut x, &gradient, &scale);
             if config.preview_every > 0 && iteration % config.preview_every == 0 {
                 preview(&BodyParams::from_vector(&x));

@@ -56,7 +56,9 @@ pub fn contact_goals(family: PoseFamily) -> &'static [ContactGoal] {
                 ]
             }
         }
-        PoseFamily::LieDown => const { &[goal(Front, 2.0, 0.3), goal(LegFronts, 1.0, 0.12), goal(Forearms, 0.3, 0.1)] },
+        PoseFamily::LieDown => {
+            const { &[goal(Front, 2.0, 0.3), goal(LegFronts, 1.0, 0.12), goal(Forearms, 0.3, 0.1)] }
+        }
         PoseFamily::LieSide => {
             const { &[goal(LeftSide, 1.5, 0.15), goal(RightSide, 1.5, 0.15), goal(Thighs, 0.3, 0.1)] }
         }

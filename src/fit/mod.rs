@@ -15,5 +15,5 @@ mod tests;
 pub use config::{FitConfig, FitPreset, Objective, PsiWeights, Weights};
 pub use energy::{TERMS, Term};
 pub use fitter::{Fitted, Fitter, Trace};
-pub use probe::{BoneSphere, Limb, bone_spheres};
 pub use goals::{ContactGoal, contact_goals};
+pub use probe::{BoneSphere, Limb, bone_spheres};

@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::energy::{Energy, Term};
 use super::goals::ContactGoal;
 use super::probe::Probe;
-use crate::body::joints::JOINTS;
 use crate::body::joints as j;
+use crate::body::joints::JOINTS;
 use crate::scene::{BodyParams, PARAMS};
 
 /// Softness of "the nearest vertices of a region": the nearest few centimetres of skin share the pull.

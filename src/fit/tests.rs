@@ -77,8 +77,7 @@ fn a_body_that_hovers_or_is_sunk_comes_to_rest_on_the_floor() {
     let fitter = Fitter::new(body);
     let soles = body.model.template.iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
     for wrong_m in [-0.08, 0.08] {
-        let start =
-            BodyParams { translation: Vec3::new(0.0, wrong_m - soles, 0.8), ..BodyParams::default() };
+        let start = BodyParams { translation: Vec3::new(0.0, wrong_m - soles, 0.8), ..BodyParams::default() };
         let fitted = fitter
             .fit(&field, &start, PoseFamily::Stand, &FitConfig::default(), &Ticker::silent(), &mut |_| ())
             .expect("not cancelled");

@@ -52,9 +52,9 @@ pub fn wall_places(geometry: &RoomGeometry, rng: &mut Rng) -> Vec<Place> {
         let away = flat(gradient).normalize_or_zero();
         let upright = gradient.y.abs() < 0.2 && distance < 0.45 && away != Vec2::ZERO;
         let stand = cell - Vec3::new(away.x, 0.0, away.y) * (distance - WALL_DISTANCE_M);
-        let whole = [0.5, 0.9, 1.3].iter().all(|h| {
-            (geometry.field.sample(stand + Vec3::Y * *h) - WALL_DISTANCE_M).abs() < 0.05
-        });
+        let whole = [0.5, 0.9, 1.3]
+            .iter()
+            .all(|h| (geometry.field.sample(stand + Vec3::Y * *h) - WALL_DISTANCE_M).abs() < 0.05);
         (upright && whole).then(|| {
             let mut place = floor_place(PoseFamily::Lean, stand, away, "wall".to_owned(), 0.6);
             place.hints.lean = Some(LeanStyle::BackOnWall);
@@ -90,8 +90,7 @@ pub fn leaning_places(room: &Room, geometry: &RoomGeometry, index: usize) -> Vec
         place.support = Some(index);
         place.hints.table_height_m = Some(edge.drop_m);
         place.hints.table_reach_m = Some(distance_m + HANDS_ON_TOP_M);
-        place.hints.lean =
-            Some(if sign < 0.0 { LeanStyle::HandsInFront } else { LeanStyle::HipsOnCounter });
+        place.hints.lean = Some(if sign < 0.0 { LeanStyle::HandsInFront } else { LeanStyle::HipsOnCounter });
         Some(place)
     };
     let edges = surface.edges.iter().filter(|e| LEAN_HEIGHT_M.contains(&e.drop_m) && e.body_free_m > 0.3);
@@ -99,15 +98,7 @@ pub fn leaning_places(room: &Room, geometry: &RoomGeometry, index: usize) -> Vec
 }
 
 fn floor_place(family: PoseFamily, at: Vec3, facing: Vec2, on: String, weight: f32) -> Place {
-    Place {
-        family,
-        under_pelvis: at,
-        facing,
-        support: None,
-        hints: FamilyHints::default(),
-        on,
-        weight,
-    }
+    Place { family, under_pelvis: at, facing, support: None, hints: FamilyHints::default(), on, weight }
 }
 
 /// How far somebody standing at `cell` sees along `facing`: nobody stares at a wall from near by.

@@ -8,8 +8,8 @@ mod floor_places;
 mod lie_places;
 mod place;
 mod pose;
-mod seat_places;
 mod search;
+mod seat_places;
 
 pub use place::Place;
 pub use search::{Proposal, SearchRequest, search};

@@ -201,7 +201,11 @@ mod tests {
         let places: Vec<Place> = (0..40)
             .flat_map(|i| {
                 let x = i as f32;
-                [place(PoseFamily::Stand, x, 9.0), place(PoseFamily::SitChair, x, 1.0), place(PoseFamily::LieUp, x, 0.1)]
+                [
+                    place(PoseFamily::Stand, x, 9.0),
+                    place(PoseFamily::SitChair, x, 1.0),
+                    place(PoseFamily::LieUp, x, 0.1),
+                ]
             })
             .collect();
         let chosen = choose(&places, 4, &mut Seed::root(1).rng());
@@ -211,7 +215,11 @@ mod tests {
 
     #[test]
     fn the_same_seat_is_not_proposed_again_while_others_are_free() {
-        let places = [place(PoseFamily::SitChair, 0.0, 1.0), place(PoseFamily::SitChair, 0.05, 1.0), place(PoseFamily::SitChair, 3.0, 1.0)];
+        let places = [
+            place(PoseFamily::SitChair, 0.0, 1.0),
+            place(PoseFamily::SitChair, 0.05, 1.0),
+            place(PoseFamily::SitChair, 3.0, 1.0),
+        ];
         let far = (0..50).filter(|seed| {
             let chosen = choose(&places, 2, &mut Seed::root(*seed).rng());
             chosen[0].under_pelvis.distance(chosen[1].under_pelvis) > 1.0

@@ -183,7 +183,11 @@ fn straight_seats(
     let directions = main_directions(surface);
     let place = |cell: Vec3, facing: Vec2| -> Option<Place> {
         let p = flat(cell);
-        let legs = cells.coverage(p + facing * (STRAIGHT_LEGS_M * 0.5), facing, Vec2::new(STRAIGHT_LEGS_M * 0.5, 0.15));
+        let legs = cells.coverage(
+            p + facing * (STRAIGHT_LEGS_M * 0.5),
+            facing,
+            Vec2::new(STRAIGHT_LEGS_M * 0.5, 0.15),
+        );
         let behind_m = cells.extent(p, -facing, 0.5);
         let enough = legs > 0.92 && behind_m >= PELVIS_TO_BACK_M;
         let free = enough && is_free_above(geometry, cell, 0.3, SITTING_HEIGHT_M, 0.09);

@@ -124,7 +124,12 @@ fn vertex_areas_m2(vertices: &[Vec3], faces: &[[u32; 3]]) -> Vec<f32> {
 
 /// Gravity: the centre of mass stands over the contacts that carry it; contacts with walls and backrests
 /// prop it sideways, so they widen the base as long as something carries at all.
-fn is_supported(field: &SignedDistanceField, vertices: &[Vec3], faces: &[[u32; 3]], distances: &[f32]) -> bool {
+fn is_supported(
+    field: &SignedDistanceField,
+    vertices: &[Vec3],
+    faces: &[[u32; 3]],
+    distances: &[f32],
+) -> bool {
     let flat = |p: Vec3| Vec2::new(p.x, p.z);
     let mut base = Vec::new();
     let mut carried = false;

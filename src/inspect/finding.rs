@@ -146,10 +146,10 @@ mod tests {
         assert!(Limits::default().findings(site, &good()).is_empty());
         let bad = BodyMetrics { penetration_max_mm: 100.0, supported: false, ..good() };
         let findings = Limits::default().findings(site, &bad);
-        assert_eq!(findings.iter().map(|f| f.metric).collect::<Vec<_>>(), [
-            Metric::PenetrationMaxMm,
-            Metric::Supported
-        ]);
+        assert_eq!(
+            findings.iter().map(|f| f.metric).collect::<Vec<_>>(),
+            [Metric::PenetrationMaxMm, Metric::Supported]
+        );
         assert_eq!(findings[0].limit, 25.0);
     }
 

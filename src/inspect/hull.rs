@@ -11,7 +11,11 @@ pub fn distance_to_hull(points: &[Vec2], point: Vec2) -> f32 {
         _ => {
             let edges = (0..hull.len()).map(|i| (hull[i], hull[(i + 1) % hull.len()]));
             let inside = hull.len() > 2 && edges.clone().all(|(a, b)| (b - a).perp_dot(point - a) >= 0.0);
-            if inside { 0.0 } else { edges.map(|(a, b)| to_segment(a, b, point)).fold(f32::INFINITY, f32::min) }
+            if inside {
+                0.0
+            } else {
+                edges.map(|(a, b)| to_segment(a, b, point)).fold(f32::INFINITY, f32::min)
+            }
         }
     }
 }

@@ -48,9 +48,9 @@ impl BodySolid {
     /// Two of three rays leave through the skin's inner side.
     fn is_inside(&self, point: Vec3) -> bool {
         let leaves = |direction: Vec3| {
-            self.bvh.cast(point, direction, f32::INFINITY).is_some_and(|hit| {
-                self.bvh.normal(hit.triangle).dot(direction) > 0.0
-            })
+            self.bvh
+                .cast(point, direction, f32::INFINITY)
+                .is_some_and(|hit| self.bvh.normal(hit.triangle).dot(direction) > 0.0)
         };
         let direction = |i: usize| PROBES[i].normalize_or(Vec3::Y);
         match (leaves(direction(0)), leaves(direction(1))) {
@@ -106,10 +106,12 @@ mod tests {
 
     /// A box from -1 to 1, outward-facing.
     fn cube() -> BodySolid {
-        let vertices: Vec<Vec3> =
-            (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0).collect();
+        let vertices: Vec<Vec3> = (0..8)
+            .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0)
+            .collect();
         let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let faces: Vec<[u32; 3]> = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+        let faces: Vec<[u32; 3]> =
+            quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
         BodySolid::new(&vertices, &faces)
     }
 
