@@ -36,7 +36,7 @@ impl Frame {
         let clip_from_world = camera.clip_from_world(width / height);
         let rig = LightRig::default();
         let taps = match look.quality {
-            Quality::Low => 3.0,
+            Quality::Low => 2.0,
             Quality::High => 6.0,
         };
         let eye = cut_eye(camera);
