@@ -4,14 +4,14 @@ use wgpu::util::DeviceExt as _;
 
 use super::Pipelines;
 use super::finish::Finish;
-use super::frame::{Frame, ShadowFit, cut_eye};
+use super::frame::{Frame, ShadowFit};
 use super::marks::Marks;
 use super::room::Pass;
 use super::shadow;
 use super::targets::Targets;
 use crate::render::RenderError;
 use crate::render::context::{Cache, RenderContext};
-use crate::render::draw::{Cutaway, PersonDraw, SceneDraw, Shown, check_camera};
+use crate::render::draw::{Look, PersonDraw, SceneDraw, Shown, check_camera};
 use crate::render::light::linear_from_srgb;
 use crate::scene::Camera;
 
@@ -208,9 +208,8 @@ impl Picture<'_> {
     }
 
     fn is_shown(&self, item: &super::room::Item) -> bool {
-        let eye = cut_eye(self.camera);
-        let outside = self.camera.ortho_height_m.is_some() || !self.cache.room.bounds().contains(eye);
-        !(self.draw.look.cutaway == Cutaway::Outside && outside && item.is_cut_for(eye))
+        let cuts = self.draw.look.cuts(self.camera, &self.cache.room.bounds());
+        !(cuts && item.is_cut_for(Look::cut_eye(self.camera)))
     }
 
     /// The nearest first, so that what they hide costs little.
@@ -231,7 +230,7 @@ impl Picture<'_> {
 
     /// What is shown of one kind, the nearest first.
     fn sorted(&self, kind: Pass) -> Vec<&super::room::Item> {
-        let eye = cut_eye(self.camera);
+        let eye = Look::cut_eye(self.camera);
         let items = self.cache.room.items().iter();
         let mut shown: Vec<_> = items.filter(|i| i.pass == kind && self.is_shown(i)).collect();
         shown.sort_by(|a, b| a.bounds.distance(eye).total_cmp(&b.bounds.distance(eye)));
