@@ -5,6 +5,7 @@
 //! May not guess what things mean (units, categories): that is `scene`'s.
 
 pub mod cache;
+mod clips;
 pub mod npz;
 
 mod budget;
@@ -24,6 +25,7 @@ mod uri;
 mod write_glb;
 
 pub use budget::Budget;
+pub use clips::{CLIP_JOINTS, PoseClip, read_pose_clips};
 pub use encode::{encode_jpeg, encode_png};
 pub use error::{AssetError, Problem};
 pub use hash::{ContentHasher, content_hash};
