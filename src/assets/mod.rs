@@ -5,9 +5,13 @@
 //! May not guess what things mean (units, categories): that is `scene`'s.
 
 pub mod cache;
-
+mod encode;
 mod hash;
 mod model;
+pub mod npz;
+mod write_glb;
 
+pub use encode::{encode_jpeg, encode_png};
 pub use hash::{ContentHasher, content_hash};
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
+pub use write_glb::{GlbWriteError, SkinJoint, SkinnedMesh, glb_from_model, glb_from_skinned};

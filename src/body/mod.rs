@@ -2,3 +2,21 @@
 //!
 //! May name `math`, `assets`, `scene`. Pure: reads no file itself (the bundled model is embedded), optimises
 //! nothing, knows no room.
+//!
+//! Body frame: metres, T-pose at rest, Y up, front +Z, left +X, pelvis joint near the origin; joints in
+//! SMPL-X's order ([`joints`]).
+
+mod hand_space;
+pub mod joints;
+mod model;
+mod pose_space;
+mod posed;
+mod subset;
+mod workspace;
+
+pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace};
+pub use model::{BodyModel, BodyModelError};
+pub use pose_space::{BodyPose, PoseGaussian, PoseSpace};
+pub use posed::{Body, Posed};
+pub use subset::VertexSubset;
+pub use workspace::{Gradients, Workspace};

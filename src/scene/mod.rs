@@ -6,10 +6,12 @@
 
 mod camera;
 mod category;
+mod export;
 mod person;
 mod room;
 
 pub use camera::Camera;
 pub use category::Category;
+pub use export::model_from_room;
 pub use person::{BETAS, BodyParams, HANDS, PARAMS, POSE, Person, PersonId, PoseFamily};
 pub use room::{Object, ObjectId, ObjectPart, Room, Scene};

@@ -1,0 +1,75 @@
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::POSE;
+
+use super::joints::BODY_JOINTS;
+
+/// Axis-angle vectors of SMPL-X's body joints 1 to 21, radians, each in its parent's frame.
+pub type BodyPose = [Vec3; BODY_JOINTS];
+
+/// A map from a 32-number code of unit variance to a body pose, and its gradient. The fitter knows nothing
+/// else about poses, so the Gaussian of today and a learned prior are exchangeable.
+pub trait PoseSpace: Send + Sync {
+    /// The pose of a code.
+    fn decode(&self, code: &[f32; POSE]) -> BodyPose;
+
+    /// Gradient of `f(decode(code))` with respect to the code, given `gradient = df/dpose`.
+    fn pull_back(&self, code: &[f32; POSE], gradient: &BodyPose) -> [f32; POSE];
+
+    /// The code whose pose is nearest to `pose`.
+    fn encode(&self, pose: &BodyPose) -> [f32; POSE];
+
+    /// Negative log likelihood of a code under the standard normal prior, less its constant: `|z|²/2`.
+    /// Its gradient is the code itself.
+    fn prior_energy(&self, code: &[f32; POSE]) -> f32 {
+        0.5 * code.iter().map(|z| z * z).sum::<f32>()
+    }
+}
+
+/// Poses as a Gaussian: `pose = mean + directions · code`, over the 63 axis-angle numbers. The directions
+/// are the leading principal components of a corpus times their standard deviations, so codes of the
+/// corpus are whitened.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PoseGaussian {
+    /// Mean pose.
+    pub mean: BodyPose,
+    /// For each code number the change of the pose per standard deviation; mutually orthogonal.
+    pub directions: Vec<BodyPose>,
+}
+
+impl PoseGaussian {
+    /// Whether there is one direction of positive length for every code number.
+    pub fn is_complete(&self) -> bool {
+        self.directions.len() == POSE && self.directions.iter().all(|d| squared(d) > 0.0)
+    }
+}
+
+impl PoseSpace for PoseGaussian {
+    fn decode(&self, code: &[f32; POSE]) -> BodyPose {
+        let mut pose = self.mean;
+        for (direction, z) in self.directions.iter().zip(code) {
+            for (angle, step) in pose.iter_mut().zip(direction) {
+                *angle += *step * *z;
+            }
+        }
+        pose
+    }
+
+    fn pull_back(&self, _code: &[f32; POSE], gradient: &BodyPose) -> [f32; POSE] {
+        std::array::from_fn(|i| dot(&self.directions[i], gradient))
+    }
+
+    fn encode(&self, pose: &BodyPose) -> [f32; POSE] {
+        let offset: BodyPose = std::array::from_fn(|j| pose[j] - self.mean[j]);
+        std::array::from_fn(|i| dot(&self.directions[i], &offset) / squared(&self.directions[i]))
+    }
+}
+
+fn dot(a: &BodyPose, b: &BodyPose) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
+}
+
+fn squared(a: &BodyPose) -> f32 {
+    dot(a, a)
+}
