@@ -4,14 +4,18 @@
 //! May name `math` and `assets`. May not change a document, run an optimiser or draw. Everything is in the
 //! world frame: metres, right-handed, Y up, the floor at about `y = 0`.
 
+mod bvh;
 mod camera;
 mod category;
 mod export;
+mod field;
 mod person;
 mod room;
 
+pub use bvh::{Closest, Hit, Step, Stopped, TriangleBvh, closest_on_triangle};
 pub use camera::Camera;
 pub use category::Category;
 pub use export::model_from_room;
+pub use field::{FieldConfig, Resolution, SignedDistanceField, bake};
 pub use person::{BETAS, BodyParams, HANDS, PARAMS, POSE, Person, PersonId, PoseFamily};
 pub use room::{Object, ObjectId, ObjectPart, Room, Scene};
