@@ -9,14 +9,18 @@
 mod hand_space;
 pub mod joints;
 mod model;
+mod parts;
 mod pose_space;
 mod posed;
+mod regions;
 mod subset;
 mod workspace;
 
 pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace};
 pub use model::{BodyModel, BodyModelError};
+pub use parts::{BodyPart, BodyParts, Seams, part_at};
 pub use pose_space::{BodyPose, PoseGaussian, PoseSpace};
 pub use posed::{Body, Posed};
+pub use regions::{ContactRegions, Region};
 pub use subset::VertexSubset;
 pub use workspace::{Gradients, Workspace};

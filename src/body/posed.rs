@@ -9,7 +9,9 @@ use crate::scene::BodyParams;
 use super::hand_space::HandSpace;
 use super::joints::JOINTS;
 use super::model::BodyModel;
+use super::parts::BodyParts;
 use super::pose_space::{PoseGaussian, PoseSpace};
+use super::regions::ContactRegions;
 use super::subset::VertexSubset;
 use super::workspace::Workspace;
 
@@ -25,6 +27,10 @@ pub struct Body {
     pub pose_space: Box<dyn PoseSpace>,
     /// What the 24 hand numbers mean.
     pub hand_space: HandSpace,
+    /// Which vertices may touch the room.
+    pub regions: ContactRegions,
+    /// How the body is dressed.
+    pub parts: BodyParts,
     all: VertexSubset,
 }
 
@@ -43,7 +49,9 @@ impl Body {
     /// A body of these parts.
     pub fn new(model: BodyModel, pose_space: Box<dyn PoseSpace>, hand_space: HandSpace) -> Self {
         let all = VertexSubset::all(&model);
-        Self { model, pose_space, hand_space, all }
+        let regions = ContactRegions::of(&model);
+        let parts = BodyParts::of(&model);
+        Self { model, pose_space, hand_space, regions, parts, all }
     }
 
     /// The free body that ships with the program. Built once; the first call takes some 30 ms.

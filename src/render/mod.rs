@@ -1,4 +1,22 @@
 //! Draws a scene: wgpu in a window or headless, or a small ray caster on the processor where there is no
 //! adapter at all. `&Scene` and camera in, texture or pixels out.
 //!
-//! May name `math`, `assets`, `scene`, `body`, `inspect` and wgpu; never egui, never the document.
+//! May name `math`, `assets`, `scene`, `body`, `inspect` and wgpu; never egui, never the document. Writes no
+//! file: pictures are returned as pixels.
+
+mod context;
+mod draw;
+mod dress;
+mod error;
+mod gpu;
+mod heat;
+mod light;
+mod picture;
+
+pub use context::RenderContext;
+pub use draw::{Cutaway, DepthTest, Line, Look, PersonDraw, Point, Quality, SceneDraw, Shown};
+pub use dress::{BodySurface, Hair, Outfit, SurfacePart};
+pub use error::RenderError;
+pub use gpu::Viewport;
+pub use heat::{CONTACT_M, DEEP_END_M, FREE_END_M, HeatTick, STOPS, TICKS, heat_color, heat_position};
+pub use picture::{MAX_SIDE, Picture, render_image};

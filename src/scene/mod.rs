@@ -7,15 +7,22 @@
 mod bvh;
 mod camera;
 mod category;
+mod columns;
 mod export;
 mod field;
+mod floor;
+mod geometry;
 mod person;
 mod room;
+mod support;
 
 pub use bvh::{Closest, Hit, Step, Stopped, TriangleBvh, closest_on_triangle};
 pub use camera::Camera;
 pub use category::Category;
 pub use export::model_from_room;
-pub use field::{FieldConfig, Resolution, SignedDistanceField, bake};
+pub use field::{FieldConfig, Resolution, SignedDistanceField, bake, bake_cached};
+pub use floor::{WalkableFloor, Walker};
+pub use geometry::{GeometryConfig, RoomGeometry};
 pub use person::{BETAS, BodyParams, HANDS, PARAMS, POSE, Person, PersonId, PoseFamily};
 pub use room::{Object, ObjectId, ObjectPart, Room, Scene};
+pub use support::{Back, EdgePoint, FREE_LIMIT_M, SupportCell, SupportSurface, find_supports};

@@ -34,6 +34,8 @@ use super::grid::Grid;
 use super::lines::Lines;
 use super::sign::{Surroundings, classify};
 use super::thin::{buried, thicken};
+use crate::assets::ContentHasher;
+use crate::assets::cache;
 use crate::math::Aabb;
 use crate::scene::bvh::{Step, Stopped, report};
 
@@ -198,4 +200,63 @@ fn signed_values(grid: &Grid, solid: &[bool], distance_m: &[f32], enclosure: &Aa
             -enclosure.distance(p) + inside(wall, grid.position(nearest_inside)).min(0.0)
         })
         .collect()
+}
+
+/// Changes whenever the same input gives another field, so that older entries of the cache are not used.
+const CACHE_VERSION: u64 = 1;
+
+/// As [`bake`], but takes the field from the disk cache if the same triangles were baked with the same
+/// settings before.
+///
+/// # Errors
+/// [`Stopped`] when `step` breaks off.
+pub fn bake_cached(
+    triangles: &[[Vec3; 3]],
+    config: &FieldConfig,
+    step: Step,
+) -> Result<SignedDistanceField, Stopped> {
+    let key = cache_key(triangles, config);
+    if let Some(field) = cache::get(&key).and_then(|bytes| from_bytes(&bytes)) {
+        return Ok(field);
+    }
+    report(step, 0, 1)?;
+    let field = bake(triangles, config, step)?;
+    cache::put(&key, &to_bytes(&field));
+    Ok(field)
+}
+
+fn cache_key(triangles: &[[Vec3; 3]], config: &FieldConfig) -> String {
+    let mut hasher = ContentHasher::default();
+    hasher.write_number(CACHE_VERSION);
+    hasher.write(format!("{config:?}").as_bytes());
+    for part in triangles.chunks(4096) {
+        let numbers: Vec<u8> =
+            part.iter().flatten().flat_map(|p| p.to_array()).flat_map(f32::to_le_bytes).collect();
+        hasher.write(&numbers);
+    }
+    format!("field-{:032x}", hasher.finish())
+}
+
+fn to_bytes(field: &SignedDistanceField) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(36 + 4 * field.values.len());
+    for n in field.dim {
+        bytes.extend_from_slice(&(n as u32).to_le_bytes());
+    }
+    let frame = field.origin.to_array().into_iter().chain(field.cell_m.to_array());
+    for number in frame.chain(field.values.iter().copied()) {
+        bytes.extend_from_slice(&number.to_le_bytes());
+    }
+    bytes
+}
+
+fn from_bytes(bytes: &[u8]) -> Option<SignedDistanceField> {
+    let (words, []) = bytes.as_chunks::<4>() else { return None };
+    let (dim, numbers) = words.split_at_checked(3)?;
+    let dim = [0, 1, 2].map(|i| u32::from_le_bytes(dim[i]) as usize);
+    let mut numbers = numbers.iter().map(|&w| f32::from_le_bytes(w));
+    let mut vector = || Some(Vec3::new(numbers.next()?, numbers.next()?, numbers.next()?));
+    let (origin, cell_m) = (vector()?, vector()?);
+    let values: Vec<f32> = numbers.collect();
+    let whole = dim.iter().all(|&n| n >= 2) && dim.iter().product::<usize>() == values.len();
+    whole.then_some(SignedDistanceField { dim, origin, cell_m, values })
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// A regular grid of samples, z fastest.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Grid {
+pub(in crate::scene) struct Grid {
     /// Samples along x, y and z.
     pub dim: [usize; 3],
     /// Position of sample (0, 0, 0).

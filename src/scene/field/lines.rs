@@ -16,7 +16,7 @@ const OFFSET_M: DVec3 = DVec3::new(1.31e-5, 1.73e-5, 1.13e-5);
 
 /// A triangle met by a grid line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Crossing {
+pub(in crate::scene) struct Crossing {
     /// Place along the line in cells from sample 0; the surface stands between `floor` and `floor + 1`.
     pub place: f32,
     /// Which triangle.
@@ -33,7 +33,7 @@ impl Crossing {
 }
 
 /// All crossings along one axis, in order on each line.
-pub(super) struct Lines {
+pub(in crate::scene) struct Lines {
     start: Vec<u32>,
     crossings: Vec<Crossing>,
     /// The two other axes, in ascending order.

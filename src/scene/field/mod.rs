@@ -5,8 +5,8 @@
 
 mod bake;
 mod distance;
-mod grid;
-mod lines;
+pub(super) mod grid;
+pub(super) mod lines;
 mod sign;
 #[cfg(test)]
 pub(super) mod test_room;
@@ -18,10 +18,10 @@ use glam::Vec3;
 
 use crate::math::Aabb;
 
-pub use bake::{FieldConfig, Resolution, bake};
+pub use bake::{FieldConfig, Resolution, bake, bake_cached};
 
 #[cfg(test)]
-pub(super) use test_room::triangles as test_room_triangles;
+pub(in crate::scene) use test_room::triangles as test_room_triangles;
 
 /// Distances at the nodes of a regular grid, interpolated trilinearly between them.
 #[derive(Clone, Debug, PartialEq)]
