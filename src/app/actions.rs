@@ -2,13 +2,12 @@
 
 use std::path::PathBuf;
 
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 
 use super::engine::{ImportChoice, Source};
 use super::orbit::AxisView;
 use super::selection::Item;
 use super::state::{EditorState, Heat, Leaving, Overlay, Tool};
-use crate::document::Change;
 use crate::document::Command;
 use crate::math::Aabb;
 use crate::scene::PersonId;
@@ -122,13 +121,27 @@ pub fn delete(state: &mut EditorState) {
         .selection
         .people()
         .into_iter()
-        .filter(|id| scene.person(*id).is_some_and(|p| !p.locked || { locked += 1; false }))
+        .filter(|id| {
+            scene.person(*id).is_some_and(|p| {
+                !p.locked || {
+                    locked += 1;
+                    false
+                }
+            })
+        })
         .collect();
     let objects: Vec<_> = state
         .selection
         .objects()
         .into_iter()
-        .filter(|id| scene.room.object(*id).is_some_and(|o| !o.locked || { locked += 1; false }))
+        .filter(|id| {
+            scene.room.object(*id).is_some_and(|o| {
+                !o.locked || {
+                    locked += 1;
+                    false
+                }
+            })
+        })
         .collect();
     state.document.begin(removal_label(people.len(), objects.len()));
     if !people.is_empty() {
@@ -397,9 +410,9 @@ fn step_finding(state: &mut EditorState, step: isize) {
     if count == 0 {
         return;
     }
-    let next = state.finding.map_or(if step > 0 { 0 } else { count - 1 }, |at| {
-        (at as isize + step).rem_euclid(count)
-    });
+    let next = state
+        .finding
+        .map_or(if step > 0 { 0 } else { count - 1 }, |at| (at as isize + step).rem_euclid(count));
     go_to_finding(state, next as usize);
 }
 
@@ -462,23 +475,14 @@ pub fn set_beta(state: &mut EditorState, id: PersonId, index: usize, value: f32)
     state.apply(Command::SetBody(id, body));
 }
 
-/// Puts an object elsewhere.
-pub fn move_object(state: &mut EditorState, id: crate::scene::ObjectId, world_from_object: Affine3A) {
-    state.apply(Command::MoveObject(id, world_from_object));
-}
-
 /// Goes to a step of the history: `steps` back (negative) or forward.
 pub fn travel(state: &mut EditorState, steps: isize) {
     for _ in 0..steps.unsigned_abs() {
-        if steps < 0 { state.document.undo() } else { state.document.redo() };
+        if steps < 0 {
+            state.document.undo()
+        } else {
+            state.document.redo()
+        };
     }
     state.selection.prune(state.document.scene());
-}
-
-/// The people that a change added.
-pub fn added_people(change: &Change) -> Vec<PersonId> {
-    match change {
-        Change::PeopleAdded(people) => people.iter().map(|p| p.value.id).collect(),
-        _ => Vec::new(),
-    }
 }

@@ -180,8 +180,7 @@ pub fn for_key(pressed: Key, modifiers: Modifiers) -> Option<&'static CommandInf
     let matches = |shortcut: &KeyboardShortcut| {
         // Where "?" lies differs by keyboard: some need Shift for it.
         let shift = pressed == Key::Questionmark || modifiers.shift == shortcut.modifiers.shift;
-        let rest = modifiers.alt == shortcut.modifiers.alt
-            && modifiers.command == shortcut.modifiers.command;
+        let rest = modifiers.alt == shortcut.modifiers.alt && modifiers.command == shortcut.modifiers.command;
         shortcut.logical_key == pressed && shift && rest
     };
     COMMANDS.iter().find(|command| command.keys.iter().any(matches))

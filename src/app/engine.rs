@@ -6,11 +6,15 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+pub use super::stand_in::{BodyMetrics, BodyReport, Finding, Limits, Site};
 use crate::job::{JobCtx, Stop, Ticker};
+use crate::render::BodySurface;
 use crate::scene::BodyParams;
 use crate::scene::Person;
 use crate::scene::PoseFamily;
 use crate::scene::Room;
+pub use crate::scene::RoomGeometry;
+use crate::scene::Scene;
 
 /// What a user says about a file's unit and up axis; `None` is left to detection.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -145,9 +149,18 @@ pub trait Engine: Send + Sync + 'static {
     ///
     /// # Errors
     /// Cancelled.
-    fn measure(&self, geometry: &RoomGeometry, body: &BodyParams, ticker: &Ticker) -> Result<BodyReport, Stop>;
+    fn measure(
+        &self,
+        geometry: &RoomGeometry,
+        body: &BodyParams,
+        ticker: &Ticker,
+    ) -> Result<BodyReport, Stop>;
     /// Vertices of a body in metres, world frame. Below a millisecond, so the window calls it itself.
     fn pose(&self, body: &BodyParams) -> Arc<[Vec3]>;
+    /// How the vertices of [`Engine::pose`] join to triangles.
+    fn faces(&self) -> Arc<[[u32; 3]]>;
+    /// The surface for the renderer.
+    fn surface(&self) -> Arc<BodySurface>;
 }
 
 /// What a saved project holds; owned, so that saving goes on beside the window.

@@ -1,6 +1,6 @@
 //! Small pictures on buttons, drawn from lines: no font has to have them.
 
-use egui::{Color32, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2};
+use egui::{Color32, Pos2, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,14 +17,12 @@ pub enum Icon {
     Bell,
     /// A cross.
     Close,
-    /// A standing person.
-    Person,
 }
 
 /// A square button without frame that shows `icon` and is called `name` by screen readers and tooltip.
 pub fn button(ui: &mut Ui, icon: Icon, name: &str, strength: f32) -> Response {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(18.0), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), name));
     if ui.is_rect_visible(rect) {
         let visuals = ui.style().interact(&response);
         if response.hovered() || response.has_focus() {
@@ -53,7 +51,9 @@ pub fn paint(ui: &Ui, icon: Icon, rect: Rect, color: Color32) {
         }
         Icon::EyeClosed => {
             line(arc(&at, 0.5, 0.14, 0.62, 35.0, 145.0));
-            for (from, to) in [((0.2, 0.68), (0.1, 0.86)), ((0.5, 0.76), (0.5, 0.98)), ((0.8, 0.68), (0.9, 0.86))] {
+            for (from, to) in
+                [((0.2, 0.68), (0.1, 0.86)), ((0.5, 0.76), (0.5, 0.98)), ((0.8, 0.68), (0.9, 0.86))]
+            {
                 line(vec![at(from.0, from.1), at(to.0, to.1)]);
             }
         }
@@ -79,12 +79,6 @@ pub fn paint(ui: &Ui, icon: Icon, rect: Rect, color: Color32) {
         Icon::Close => {
             line(vec![at(0.15, 0.15), at(0.85, 0.85)]);
             line(vec![at(0.85, 0.15), at(0.15, 0.85)]);
-        }
-        Icon::Person => {
-            painter.circle_filled(at(0.5, 0.2), rect.width() * 0.19, color);
-            let mut shoulders = arc(&at, 0.5, 1.0, 0.38, 180.0, 360.0);
-            shoulders.push(at(0.12, 1.0));
-            painter.add(egui::Shape::convex_polygon(shoulders, color, Stroke::NONE));
         }
     }
 }

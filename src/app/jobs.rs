@@ -83,6 +83,11 @@ impl Jobs {
         !self.rows().is_empty() || self.wanted.is_some()
     }
 
+    /// Whether a file is being read.
+    pub fn opening(&self) -> bool {
+        self.open.is_some()
+    }
+
     /// Whether people are being made or wait for geometry.
     pub fn populating(&self) -> bool {
         self.populate.is_some() || self.wanted.is_some()
@@ -198,7 +203,11 @@ impl EditorState {
         let (tasks, replacing, name) = match wanted {
             Wanted::New { people, at } => {
                 let task = self.task(&geometry, people, at, &[]);
-                let name = if at.is_some() { "Put somebody here".to_owned() } else { format!("Populate: {people} people") };
+                let name = if at.is_some() {
+                    "Put somebody here".to_owned()
+                } else {
+                    format!("Populate: {people} people")
+                };
                 (vec![task], Vec::new(), name)
             }
             Wanted::Again(ids) => (self.tasks_again(&geometry, &ids), ids, "Re-roll".to_owned()),
@@ -338,7 +347,8 @@ impl EditorState {
         ));
         if !summary.notes.is_empty() {
             let notes = summary.notes.len();
-            self.notices.warning(format!("{notes} remarks about the file: see the import report (File menu)."));
+            self.notices
+                .warning(format!("{notes} remarks about the file: see the import report (File menu)."));
         }
         self.import = Some(summary);
     }

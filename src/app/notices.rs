@@ -107,6 +107,11 @@ impl Notices {
         }
     }
 
+    /// Takes all but errors off the window.
+    pub fn hide_news(&mut self) {
+        self.list.iter_mut().filter(|n| n.level != Level::Error).for_each(|n| n.shown = false);
+    }
+
     /// Messages since the history was last looked at.
     pub fn unread(&self) -> usize {
         self.unread

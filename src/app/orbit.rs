@@ -115,8 +115,7 @@ impl Orbit {
     /// Moves eye and target in the picture's plane so that what lies at the target follows the mouse.
     pub fn pan(&mut self, right_points: f32, down_points: f32, view_height_points: f32) {
         self.goal = None;
-        let metres_per_point =
-            2.0 * self.distance_m * (self.fov_y * 0.5).tan() / view_height_points.max(1.0);
+        let metres_per_point = 2.0 * self.distance_m * (self.fov_y * 0.5).tan() / view_height_points.max(1.0);
         let (right, up) = self.camera().right_up();
         self.target += (up * down_points - right * right_points) * metres_per_point;
     }
@@ -142,9 +141,8 @@ impl Orbit {
         self.goal = None;
         let camera = self.camera();
         let (right, _) = camera.right_up();
-        let way = right * right_up_forward.x
-            + Vec3::Y * right_up_forward.y
-            + camera.forward() * right_up_forward.z;
+        let way =
+            right * right_up_forward.x + Vec3::Y * right_up_forward.y + camera.forward() * right_up_forward.z;
         self.target += way.clamp_length_max(1.0) * self.fly_speed_m_s * pace * seconds;
     }
 
@@ -157,8 +155,7 @@ impl Orbit {
         let half_y = self.fov_y * 0.5;
         let half = half_y.min((half_y.tan() * aspect.max(0.1)).atan());
         let distance_m = (radius * FRAME_MARGIN / half.sin()).clamp(DISTANCE_M.0, DISTANCE_M.1);
-        self.goal =
-            Some(Goal { target: bounds.center(), yaw: self.yaw, pitch: self.pitch, distance_m });
+        self.goal = Some(Goal { target: bounds.center(), yaw: self.yaw, pitch: self.pitch, distance_m });
     }
 
     /// Glides to `point` as the new target, keeping distance and direction within reason.

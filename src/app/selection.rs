@@ -84,6 +84,11 @@ impl Selection {
         }
     }
 
+    /// Every selected item.
+    pub fn iter(&self) -> impl Iterator<Item = Item> + '_ {
+        self.items.iter().copied()
+    }
+
     /// The selected people in ascending order.
     pub fn people(&self) -> Vec<PersonId> {
         let person = |item: &Item| if let Item::Person(id) = item { Some(*id) } else { None };

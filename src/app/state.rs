@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::engine::{Energies, Engine, ImportSummary, RoomGeometry};
 use super::engine::{BodyReport, Finding, Limits, Site};
+use super::engine::{Energies, Engine, ImportSummary, RoomGeometry};
 use super::jobs::Jobs;
 use super::notices::Notices;
 use super::orbit::Orbit;
@@ -278,6 +278,11 @@ impl EditorState {
         self.measured.remove(&id);
     }
 
+    /// How many measurements hold; the heat map changes with it.
+    pub fn measured_count(&self) -> usize {
+        self.document.scene().people.iter().filter(|p| self.measured(p.id).is_some()).count()
+    }
+
     /// People that have not been measured as they are.
     pub fn unmeasured(&self) -> Vec<Person> {
         let people = &self.document.scene().people;
@@ -306,9 +311,9 @@ impl EditorState {
     pub fn bounds_of(&self, item: Item) -> Aabb {
         let scene = self.document.scene();
         match item {
-            Item::Person(id) => scene.person(id).map_or(Aabb::EMPTY, |person| {
-                Aabb::of(self.engine.pose(&person.body).iter().copied())
-            }),
+            Item::Person(id) => scene
+                .person(id)
+                .map_or(Aabb::EMPTY, |person| Aabb::of(self.engine.pose(&person.body).iter().copied())),
             Item::Object(id) => scene.room.object(id).map_or(Aabb::EMPTY, |o| o.world_bounds()),
         }
     }

@@ -118,8 +118,7 @@ fn light() -> Visuals {
 
 fn shape(v: &mut Visuals, palette: &Palette) {
     v.selection.bg_fill = palette.accent.gamma_multiply(if v.dark_mode { 0.42 } else { 0.28 });
-    v.selection.stroke =
-        Stroke::new(1.0, if v.dark_mode { Color32::WHITE } else { Color32::from_gray(12) });
+    v.selection.stroke = Stroke::new(1.0, if v.dark_mode { Color32::WHITE } else { Color32::from_gray(12) });
     v.hyperlink_color = palette.accent;
     v.warn_fg_color = palette.warn;
     v.error_fg_color = palette.bad;

@@ -14,16 +14,21 @@ pub fn findings(ui: &mut Ui, state: &mut EditorState) {
     if findings.is_empty() {
         let people = state.document.scene().people.len();
         let unmeasured = state.unmeasured().len();
-        empty(ui, match (people, unmeasured) {
-            (0, _) => "Findings appear here once there are people.",
-            (_, 0) => "Everybody is within every limit.",
-            _ => "Measuring...",
-        });
+        empty(
+            ui,
+            match (people, unmeasured) {
+                (0, _) => "Findings appear here once there are people.",
+                (_, 0) => "Everybody is within every limit.",
+                _ => "Measuring...",
+            },
+        );
         return;
     }
     let names: Vec<String> = findings
         .iter()
-        .map(|f| state.document.scene().person(PersonId(f.site.body)).map_or(String::new(), |p| p.name.clone()))
+        .map(|f| {
+            state.document.scene().person(PersonId(f.site.body)).map_or(String::new(), |p| p.name.clone())
+        })
         .collect();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         Grid::new("findings").num_columns(4).striped(true).spacing([16.0, 4.0]).show(ui, |ui| {

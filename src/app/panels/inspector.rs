@@ -77,7 +77,12 @@ fn metrics(ui: &mut Ui, id: PersonId, metrics: &BodyMetrics) {
             "PSI 4.1.4: share of the body's vertices in free space.",
         ),
         ("Contact", yes_no(metrics.contact_2cm), good(metrics.contact_2cm), "Skin within 2 cm of a surface."),
-        ("Held", yes_no(metrics.supported), good(metrics.supported), "The weight stands over what carries it."),
+        (
+            "Held",
+            yes_no(metrics.supported),
+            good(metrics.supported),
+            "The weight stands over what carries it.",
+        ),
         (
             "Deepest penetration",
             format!("{deep:.1} mm"),
@@ -198,9 +203,10 @@ fn category_field(ui: &mut Ui, state: &mut EditorState, id: ObjectId, present: C
 
 /// A name that is taken when Enter is pressed or the field is left.
 fn name_field(ui: &mut Ui, state: &mut EditorState, item: Item, name: &str) {
-    let id = ui.id().with(("name", item));
+    let id = ui.scope_id().with(("name", item));
     let mut text = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| name.to_owned());
-    let edit = egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY).font(egui::TextStyle::Heading);
+    let edit =
+        egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY).font(egui::TextStyle::Heading);
     let response = ui.add(edit);
     response.widget_info(|| egui::WidgetInfo::text_edit(true, name, name, "Name"));
     if response.lost_focus() {

@@ -53,7 +53,7 @@ pub fn progress_bar(ui: &mut Ui, row: &JobRow) {
     let response = ui.add(bar);
     response.widget_info(|| {
         let label = format!("{}: {}", row.name, row.progress.stage);
-        egui::WidgetInfo::labeled(egui::WidgetType::ProgressIndicator, true, label)
+        egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, label)
     });
 }
 

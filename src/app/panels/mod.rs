@@ -1,6 +1,7 @@
 //! The panels around the viewport. Each is a function of the editor's state that draws itself and sends
 //! commands; none keeps anything of its own.
 
+mod drop_hint;
 mod energies;
 mod findings;
 mod inspector;
@@ -14,16 +15,17 @@ mod status;
 mod toasts;
 mod welcome;
 
+pub use drop_hint::drop_hint;
 pub use energies::energies;
 pub use findings::findings;
 pub use inspector::inspector;
 pub use jobs::jobs;
 pub use menu::menu_bar;
 pub use outliner::outliner;
-pub use overlays::overlays;
+pub use overlays::{overlays, with_project_extension};
 pub use people::people;
 pub use populate::populate;
-pub use status::status_bar;
+pub use status::{RenderStatus, status_bar};
 pub use toasts::toasts;
 pub use welcome::welcome;
 
@@ -42,6 +44,18 @@ pub fn command_button(ui: &mut Ui, state: &mut EditorState, id: &str) -> Option<
         (command.run)(state);
     }
     Some(response)
+}
+
+/// An entry of a context menu for the command called `id`; whether it was chosen.
+pub fn menu_entry(ui: &mut Ui, state: &mut EditorState, id: &str) -> bool {
+    let Some(command) = commands::find(id) else { return false };
+    let key = command.keys.first().map(commands::key_text).unwrap_or_default();
+    let button = egui::Button::new(command.label).shortcut_text(key);
+    let chosen = ui.add_enabled((command.enabled)(state), button).on_hover_text(command.tip).clicked();
+    if chosen {
+        (command.run)(state);
+    }
+    chosen
 }
 
 /// What a command does, and its key.

@@ -58,12 +58,16 @@ fn palette(ctx: &Context, state: &mut EditorState, mut query: String, mut row: u
     row = row.min(found.len().saturating_sub(1));
     let (up, down, enter) = ctx.input_mut(|i| {
         let none = egui::Modifiers::NONE;
-        (i.consume_key(none, Key::ArrowUp), i.consume_key(none, Key::ArrowDown), i.consume_key(none, Key::Enter))
+        (
+            i.consume_key(none, Key::ArrowUp),
+            i.consume_key(none, Key::ArrowDown),
+            i.consume_key(none, Key::Enter),
+        )
     });
     row = if up { row.saturating_sub(1) } else { row };
     row = if down { (row + 1).min(found.len().saturating_sub(1)) } else { row };
     let mut chosen = if enter { found.get(row).copied() } else { None };
-    let response = Modal::new(Id::new("palette")).show(ctx, |ui| {
+    let response = Modal::new(Id::unique("palette")).show(ctx, |ui| {
         ui.set_width(440.0_f32.min(ctx.content_rect().width() - 60.0));
         let edit = TextEdit::singleline(&mut query).hint_text("Type a command").desired_width(f32::INFINITY);
         let edit = ui.add(edit);
@@ -160,11 +164,26 @@ const MOUSE: &[(&str, &str)] = &[
 
 fn help(ui: &mut Ui) {
     for (head, text) in [
-        ("Open a room", "Drop a GLB, glTF, OBJ or PLY file on the window, or use File > Open. Unit and up axis are detected; the import report says what was understood and lets you change it."),
-        ("Put people in", "Press Populate, or choose 'Put somebody here' and click a seat, a bed or the floor. While it runs you see them settle; Cancel stops at once and changes nothing."),
-        ("Look closer", "Select a person: the inspector says how well it is held and how deep it sinks. M paints bodies by distance: blue is free, white touches, yellow to red is inside something."),
-        ("Change your mind", "Everything can be undone. F9 makes the selected people anew with another seed; L protects those you like."),
-        ("Take it along", "Save writes the people with all their numbers and the room; it opens again exactly as it was."),
+        (
+            "Open a room",
+            "Drop a GLB, glTF, OBJ or PLY file on the window, or use File > Open. Unit and up axis are detected; the import report says what was understood and lets you change it.",
+        ),
+        (
+            "Put people in",
+            "Press Populate, or choose 'Put somebody here' and click a seat, a bed or the floor. While it runs you see them settle; Cancel stops at once and changes nothing.",
+        ),
+        (
+            "Look closer",
+            "Select a person: the inspector says how well it is held and how deep it sinks. M paints bodies by distance: blue is free, white touches, yellow to red is inside something.",
+        ),
+        (
+            "Change your mind",
+            "Everything can be undone. F9 makes the selected people anew with another seed; L protects those you like.",
+        ),
+        (
+            "Take it along",
+            "Save writes the people with all their numbers and the room; it opens again exactly as it was.",
+        ),
     ] {
         ui.strong(head);
         ui.label(text);
@@ -176,7 +195,7 @@ fn help(ui: &mut Ui) {
 fn open_path(ctx: &Context, state: &mut EditorState, mut text: String) {
     let recent = state.recent.clone();
     let mut chosen: Option<PathBuf> = None;
-    let response = Modal::new(Id::new("open path")).show(ctx, |ui| {
+    let response = Modal::new(Id::unique("open path")).show(ctx, |ui| {
         ui.set_width(480.0_f32.min(ctx.content_rect().width() - 60.0));
         ui.heading("Open a file");
         let (entered, opened) = path_field(ui, &mut text, "Path of a room or project", "Open");
@@ -201,7 +220,7 @@ fn open_path(ctx: &Context, state: &mut EditorState, mut text: String) {
 
 fn save_path(ctx: &Context, state: &mut EditorState, mut text: String) {
     let mut chosen = false;
-    let response = Modal::new(Id::new("save path")).show(ctx, |ui| {
+    let response = Modal::new(Id::unique("save path")).show(ctx, |ui| {
         ui.set_width(480.0_f32.min(ctx.content_rect().width() - 60.0));
         ui.heading("Save the project");
         let (entered, saved) = path_field(ui, &mut text, "Path ending in .inhabit or .ron", "Save");
@@ -246,7 +265,7 @@ fn path_field(ui: &mut Ui, text: &mut String, hint: &str, button: &str) -> (bool
 
 fn rename(ctx: &Context, state: &mut EditorState, item: Item, mut text: String) {
     let mut chosen = false;
-    let response = Modal::new(Id::new("rename")).show(ctx, |ui| {
+    let response = Modal::new(Id::unique("rename")).show(ctx, |ui| {
         ui.set_width(320.0);
         ui.heading("Rename");
         let (entered, pressed) = path_field(ui, &mut text, "New name", "Rename");
@@ -263,7 +282,7 @@ fn rename(ctx: &Context, state: &mut EditorState, item: Item, mut text: String) 
 }
 
 fn unsaved(ctx: &Context, state: &mut EditorState, leaving: Leaving) {
-    let response = Modal::new(Id::new("unsaved")).show(ctx, |ui| {
+    let response = Modal::new(Id::unique("unsaved")).show(ctx, |ui| {
         ui.set_width(360.0);
         ui.heading("There are unsaved changes");
         ui.label("They are lost unless you save them first.");
@@ -322,7 +341,13 @@ fn import_report(ui: &mut Ui, state: &mut EditorState) {
 }
 
 /// Unit and up axis; changing one reads the file again.
-fn import_choice(ui: &mut Ui, state: &mut EditorState, summary: &ImportSummary, path: PathBuf, choice: ImportChoice) {
+fn import_choice(
+    ui: &mut Ui,
+    state: &mut EditorState,
+    summary: &ImportSummary,
+    path: PathBuf,
+    choice: ImportChoice,
+) {
     let mut wanted = choice;
     ui.horizontal(|ui| {
         ui.weak("Unit");

@@ -36,7 +36,8 @@ pub fn people(ui: &mut Ui, state: &mut EditorState) {
                     }
                 }
             });
-            let color = if failing { theme::palette(ui.visuals()).bad } else { ui.visuals().weak_text_color() };
+            let color =
+                if failing { theme::palette(ui.visuals()).bad } else { ui.visuals().weak_text_color() };
             ui.painter().text(
                 response.rect.right_center() - egui::vec2(6.0, 0.0),
                 egui::Align2::RIGHT_CENTER,

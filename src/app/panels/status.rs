@@ -59,7 +59,9 @@ fn hint(state: &EditorState) -> &'static str {
         Tool::Select if state.selection.is_empty() => {
             "Click: select   Middle drag: turn   Shift+middle: move   Wheel: zoom   Right drag: look, WASD: fly   F1: help"
         }
-        Tool::Select => "F: frame   X: remove   H: hide   L: lock   F9: re-roll   M: heat map   Tab: next person",
+        Tool::Select => {
+            "F: frame   X: remove   H: hide   L: lock   F9: re-roll   M: heat map   Tab: next person"
+        }
     }
 }
 

@@ -17,7 +17,7 @@ pub fn toasts(ctx: &egui::Context, state: &mut EditorState) {
     if shown.is_empty() {
         return;
     }
-    let area = Area::new(Id::new("toasts"))
+    let area = Area::new(Id::unique("toasts"))
         .anchor(Align2::RIGHT_BOTTOM, egui::vec2(-14.0, -36.0))
         .order(egui::Order::Foreground);
     area.show(ctx, |ui| {
