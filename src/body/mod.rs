@@ -23,7 +23,7 @@ pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace};
 pub use hands::HandShape;
 pub use model::{BodyModel, BodyModelError};
 pub use parts::{BodyPart, BodyParts, Seams, part_at};
-pub use pose_space::{BodyPose, PoseGaussian, PoseSpace};
+pub use pose_space::{BodyPose, PoseGaussian, PoseSpace, PoseStatistics, PoseStatisticsError};
 pub use posed::{Body, Posed};
 pub use regions::{ContactRegions, Region};
 pub use subset::VertexSubset;
