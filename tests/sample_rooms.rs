@@ -154,11 +154,9 @@ fn touches(thing: &Thing, other: &Thing) -> bool {
         return false;
     }
     let reach = thing.bounds.grown(TOUCH_M);
-    let near: Vec<&[Vec3; 3]> =
-        other.triangles.iter().filter(|t| Aabb::of(**t).intersects(&reach)).collect();
-    let close = |p: &Vec3| {
-        near.iter().any(|t| inhabit::scene::closest_on_triangle(t, *p).distance(*p) < TOUCH_M)
-    };
+    let near: Vec<&[Vec3; 3]> = other.triangles.iter().filter(|t| Aabb::of(**t).intersects(&reach)).collect();
+    let close =
+        |p: &Vec3| near.iter().any(|t| inhabit::scene::closest_on_triangle(t, *p).distance(*p) < TOUCH_M);
     thing.triangles.as_flattened().iter().any(close)
 }
 
@@ -184,14 +182,18 @@ fn everything_in_a_sample_room_stands_lies_or_hangs_on_something() {
 fn touches_from_above(thing: &Thing, other: &Thing) -> bool {
     let foot = thing.bounds.min.y + TOUCH_M;
     let lowest = thing.triangles.iter().filter(|t| t.iter().any(|p| p.y < foot)).copied().collect();
-    let soles = Thing { triangles: lowest, name: String::new(), category: String::new(), bounds: thing.bounds };
+    let soles =
+        Thing { triangles: lowest, name: String::new(), category: String::new(), bounds: thing.bounds };
     touches(&soles, other)
 }
 
 #[test]
 fn the_key_objects_are_there_for_people_to_use() {
     let expected: [(&str, &[(&str, usize)]); 3] = [
-        ("living", &[("couch", 1), ("chair", 5), ("coffee table", 1), ("dining table", 1), ("tv monitor", 1)]),
+        (
+            "living",
+            &[("couch", 1), ("chair", 5), ("coffee table", 1), ("dining table", 1), ("tv monitor", 1)],
+        ),
         ("bedroom", &[("bed", 1), ("chair", 2), ("office desk", 1), ("cabinet", 3), ("lighting", 2)]),
         ("office", &[("office desk", 2), ("chair", 2), ("couch", 1), ("stool", 3), ("counter", 3)]),
     ];
