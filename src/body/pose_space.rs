@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::POSE;
 
+use super::hand_space::{HAND_CODE, HandSpace};
 use super::joints::BODY_JOINTS;
 
 /// Axis-angle vectors of SMPL-X's body joints 1 to 21, radians, each in its parent's frame.
@@ -63,6 +64,48 @@ impl PoseSpace for PoseGaussian {
     fn encode(&self, pose: &BodyPose) -> [f32; POSE] {
         let offset: BodyPose = std::array::from_fn(|j| pose[j] - self.mean[j]);
         std::array::from_fn(|i| dot(&self.directions[i], &offset) / squared(&self.directions[i]))
+    }
+}
+
+/// Both spaces as one file: what `inhabit train pose-prior` writes and the program embeds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PoseStatistics {
+    /// Body poses.
+    pub poses: PoseGaussian,
+    /// Hand poses.
+    pub hands: HandSpace,
+}
+
+/// Why a pose statistics file can't be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PoseStatisticsError {
+    /// Not the text it should be.
+    #[error("pose statistics: {0}; make the file again with `inhabit train pose-prior`")]
+    Syntax(#[from] ron::error::SpannedError),
+    /// Too few directions.
+    #[error(
+        "pose statistics: {POSE} body and {HAND_CODE} hand directions are needed; make the file again with `inhabit train pose-prior`"
+    )]
+    Incomplete,
+}
+
+impl PoseStatistics {
+    /// Reads the RON text of a statistics file.
+    ///
+    /// # Errors
+    /// [`PoseStatisticsError`].
+    pub fn from_ron(text: &str) -> Result<Self, PoseStatisticsError> {
+        let statistics: Self = ron::from_str(text)?;
+        let complete = statistics.poses.is_complete() && statistics.hands.is_complete();
+        if complete { Ok(statistics) } else { Err(PoseStatisticsError::Incomplete) }
+    }
+
+    /// The RON text of a statistics file.
+    ///
+    /// # Errors
+    /// What the serialiser says; it never fails on numbers.
+    pub fn to_ron(&self) -> Result<String, ron::Error> {
+        ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::new().depth_limit(3))
     }
 }
 
