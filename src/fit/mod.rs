@@ -8,6 +8,8 @@ mod energy;
 mod fitter;
 mod goals;
 mod probe;
+mod set_down;
+mod surroundings;
 mod terms;
 #[cfg(test)]
 mod tests;
@@ -16,4 +18,5 @@ pub use config::{FitConfig, FitPreset, Objective, PsiWeights, Weights};
 pub use energy::{TERMS, Term};
 pub use fitter::{Fitted, Fitter, Trace};
 pub use goals::{ContactGoal, contact_goals};
+pub use surroundings::Surroundings;
 pub use probe::{BoneSphere, Limb, bone_spheres};
