@@ -75,15 +75,15 @@ impl Default for FieldConfig {
             // 2.5 cm resolves limbs (a wrist is 6 cm wide) at about 5 M samples for a living room.
             resolution: Resolution::Cells { cell_m: 0.025, max_bytes: 256 << 20 },
             // Contact and penetration are judged within 5 cm of a surface.
-            band_m: 0.06,
+            band_m: 0.055,
             // Rooms are at least about 2.4 m high; a scan without ceiling still lets people stand.
             ceiling_m: 2.4,
         }
     }
 }
 
-/// Bytes per sample while baking: distance, triangle and five small marks.
-const BYTES_PER_SAMPLE: usize = 14;
+/// Bytes per sample while baking: distance, triangle, gradient and five small marks.
+const BYTES_PER_SAMPLE: usize = 18;
 /// Samples beyond the virtual walls on every side, so that the walls are felt before the grid ends.
 const MARGIN_CELLS: f32 = 2.0;
 /// A room reaches down to a cellar or lower storey from this depth; above it is noise or a floor's thickness.
@@ -102,7 +102,8 @@ pub fn bake(
     let enclosure = enclosure(triangles, config);
     let grid = grid_for(&enclosure, config.resolution);
     let mut facets: Vec<Facet> = triangles.par_iter().map(Facet::new).collect();
-    let band_m = config.band_m.max(2.0 * grid.cell_m.max_element());
+    // Every surface must reach some sample, at most half a cell's diagonal away.
+    let band_m = config.band_m.max(0.6 * grid.cell_m.length());
     let mut nearest = narrow_band(&grid, &facets, band_m, step)?;
     let lines = [0, 1, 2].map(|axis| Lines::new(&grid, triangles, axis));
     report(step, 1, 2)?;

@@ -89,7 +89,7 @@ pub(super) fn buried(grid: &Grid, lines: &[Lines; 3], solid: &[bool], facets: &[
         }
     });
     let near_air = |facet: &Facet| {
-        let [a, b, c] = *facet.corners();
+        let [a, b, c] = facet.corners();
         [(a + b + c) / 3.0, a, b, c].into_iter().any(|p| {
             let low = ((p - grid.origin) / grid.cell_m).floor();
             (0..8).any(|corner| {
