@@ -5,13 +5,27 @@
 //! May not guess what things mean (units, categories): that is `scene`'s.
 
 pub mod cache;
-mod encode;
-mod hash;
-mod model;
 pub mod npz;
+
+mod budget;
+mod encode;
+mod error;
+mod gltf;
+mod hash;
+mod mend;
+mod model;
+mod obj;
+mod picture;
+mod ply;
+mod read;
+mod triangulate;
+mod uri;
 mod write_glb;
 
+pub use budget::Budget;
 pub use encode::{encode_jpeg, encode_png};
+pub use error::{AssetError, Problem};
 pub use hash::{ContentHasher, content_hash};
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
+pub use read::{read_model, read_model_bytes};
 pub use write_glb::{GlbWriteError, SkinJoint, SkinnedMesh, glb_from_model, glb_from_skinned};

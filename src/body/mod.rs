@@ -6,7 +6,9 @@
 //! Body frame: metres, T-pose at rest, Y up, front +Z, left +X, pelvis joint near the origin; joints in
 //! SMPL-X's order ([`joints`]).
 
+mod families;
 mod hand_space;
+mod hands;
 pub mod joints;
 mod model;
 mod parts;
@@ -16,7 +18,9 @@ mod regions;
 mod subset;
 mod workspace;
 
+pub use families::{FamilyHints, LeanStyle, SampledPose, sample_pose};
 pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace};
+pub use hands::HandShape;
 pub use model::{BodyModel, BodyModelError};
 pub use parts::{BodyPart, BodyParts, Seams, part_at};
 pub use pose_space::{BodyPose, PoseGaussian, PoseSpace};

@@ -7,6 +7,7 @@
 use glam::{Vec3, Vec4};
 
 use super::light::linear_rgb;
+use crate::body::{Body, BodyPart};
 
 /// What a vertex belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,8 +16,6 @@ pub enum SurfacePart {
     Body,
     /// An eyeball.
     Eye,
-    /// Teeth and tongue.
-    Mouth,
 }
 
 /// The surface that all people share: how vertices join, and where each lies on the T-pose of the mean
@@ -29,11 +28,17 @@ pub struct BodySurface {
 }
 
 impl BodySurface {
-    /// A surface from its T-pose. Separate pieces are told apart by where they lie: eyeballs beside the
-    /// middle of the face, mouth in it.
-    pub fn new(rest: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
-        let parts = parts_of(&rest, &triangles);
-        Self { rest, parts, triangles }
+    /// The surface of a body model.
+    pub fn of(body: &Body) -> Self {
+        let parts = body.parts.bare.iter().map(|bare| match bare {
+            BodyPart::Eyes | BodyPart::Iris => SurfacePart::Eye,
+            _ => SurfacePart::Body,
+        });
+        Self {
+            rest: body.model.template.clone(),
+            parts: parts.collect(),
+            triangles: body.model.faces.clone(),
+        }
     }
 
     /// How many vertices a person has.
@@ -69,41 +74,6 @@ impl BodySurface {
         normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Y));
         normals
     }
-}
-
-/// Pieces of the mesh: the largest is the body.
-fn parts_of(rest: &[Vec3], triangles: &[[u32; 3]]) -> Vec<SurfacePart> {
-    let mut leader: Vec<u32> = (0..rest.len() as u32).collect();
-    for [a, b, c] in triangles {
-        let (a, b, c) = (find(&mut leader, *a), find(&mut leader, *b), find(&mut leader, *c));
-        leader[b as usize] = a;
-        let c = find(&mut leader, c);
-        leader[c as usize] = a;
-    }
-    let leaders: Vec<u32> = (0..rest.len() as u32).map(|v| find(&mut leader, v)).collect();
-    let mut pieces: std::collections::BTreeMap<u32, (usize, Vec3)> = std::collections::BTreeMap::new();
-    for (vertex, leader) in leaders.iter().enumerate() {
-        let piece = pieces.entry(*leader).or_insert((0, Vec3::ZERO));
-        piece.0 += 1;
-        piece.1 += rest[vertex];
-    }
-    let largest = pieces.values().map(|(count, _)| *count).max().unwrap_or(0);
-    leaders
-        .iter()
-        .map(|leader| match pieces[leader] {
-            (count, _) if count == largest => SurfacePart::Body,
-            (count, sum) if (sum.x / count as f32).abs() > 0.01 => SurfacePart::Eye,
-            _ => SurfacePart::Mouth,
-        })
-        .collect()
-}
-
-fn find(leader: &mut [u32], mut v: u32) -> u32 {
-    while leader[v as usize] != v {
-        leader[v as usize] = leader[leader[v as usize] as usize];
-        v = leader[v as usize];
-    }
-    v
 }
 
 /// How long the hair is.

@@ -4,6 +4,8 @@
 //! May name `math` and `assets`. May not change a document, run an optimiser or draw. Everything is in the
 //! world frame: metres, right-handed, Y up, the floor at about `y = 0`.
 
+pub mod layout;
+
 mod bvh;
 mod camera;
 mod category;

@@ -118,7 +118,6 @@ impl Surface {
                 let part = match source.part(v) {
                     SurfacePart::Body => 0.0,
                     SurfacePart::Eye => 1.0,
-                    SurfacePart::Mouth => 2.0,
                 };
                 source.rest(v).extend(part)
             })

@@ -15,7 +15,7 @@ struct Vertex {
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) heat: vec4f,
-    @location(3) rest: vec4f,  // T-pose; w: 0 body, 1 eye, 2 mouth
+    @location(3) rest: vec4f,  // T-pose; w: 0 body, 1 eye
 }
 
 struct Varying {
@@ -75,7 +75,6 @@ fn eye(p: vec3f, width: f32) -> vec3f {
 }
 
 fn dressed(p: vec3f, part: f32, width: f32) -> vec3f {
-    if (part > 1.5) { return vec3f(0.25, 0.06, 0.06); }
     if (part > 0.5) { return eye(p, width); }
     let x = abs(p.x);
     let neck = person.cut.y - person.cut.z * (p.z + 0.02) - p.y;

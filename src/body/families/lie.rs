@@ -1,0 +1,147 @@
+//! Lying: head towards -Z, feet towards +Z, the mattress below.
+
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use glam::{EulerRot, Mat3, Vec3};
+
+use crate::body::hands::HandShape;
+use crate::body::joints::{LEFT_HIP, LEFT_KNEE, PELVIS};
+
+use super::arms::ArmGoal;
+use super::chance::Chance;
+use super::figure::{Figure, Limb, Side};
+use super::stand::{ANKLE_HEIGHT_M, set_foot};
+use super::torso::{self, Torso};
+
+/// Face up.
+pub(super) fn face_up(figure: &mut Figure, rng: &mut impl Chance) -> [HandShape; 2] {
+    let torso = Torso {
+        flexion: rng.degrees(4.0, 2.5),
+        side_bend: rng.degrees(0.0, 4.0),
+        twist: rng.degrees(0.0, 3.0),
+        ..Torso::default()
+    };
+    torso::bend(figure, &torso, rng);
+    figure.local[PELVIS] = Mat3::from_rotation_x(-FRAC_PI_2);
+    let bent = rng.chance(0.35);
+    let crossed = !bent && rng.chance(0.25);
+    for side in Side::BOTH {
+        if bent && side == Side::Left {
+            // The sole stands on the mattress, level with the back.
+            let hip = figure.position(side.joint(LEFT_HIP));
+            let ankle =
+                hip + Vec3::new(rng.between(-0.03, 0.06), ANKLE_HEIGHT_M - BACK_M, rng.between(0.6, 0.68));
+            figure.reach(Limb::leg(side), ankle, side.outward(rng.between(-0.1, 0.25), 1.0, 0.0));
+            set_foot(figure, side, Mat3::from_rotation_y(rng.degrees(6.0, 4.0)));
+            continue;
+        }
+        let apart = if crossed { rng.degrees(-9.0, 1.0) } else { rng.degrees(-1.0, 3.5) };
+        let over = if crossed && side == Side::Left { 7.0 } else { 1.5 };
+        leg(figure, side, rng.degrees(over, 1.0), apart, rng.degrees(4.0, 2.0));
+        slack_foot(figure, side, rng.degrees(26.0, 6.0), rng.degrees(18.0, 7.0));
+    }
+    // A pillow lifts the head.
+    torso::turn_neck(
+        figure,
+        Vec3::new(rng.degrees(16.0, 6.0), rng.degrees(0.0, 20.0), rng.degrees(0.0, 3.0)),
+    );
+    let along = ArmGoal::Along(rng.between(-0.1, -0.08));
+    let goals = rng.pick(&[
+        (0.25, [along, along]),
+        (0.25, [ArmGoal::Belly, along]),
+        (0.2, [ArmGoal::Belly, ArmGoal::Belly]),
+        (0.12, [ArmGoal::BehindHead, ArmGoal::BehindHead]),
+        (0.18, [ArmGoal::BehindHead, ArmGoal::Belly]),
+    ]);
+    super::place_arms(figure, goals, rng)
+}
+
+/// Face down, head turned aside.
+pub(super) fn face_down(figure: &mut Figure, rng: &mut impl Chance) -> [HandShape; 2] {
+    let torso = Torso {
+        flexion: rng.degrees(-5.0, 2.0),
+        side_bend: rng.degrees(0.0, 4.0),
+        twist: rng.degrees(0.0, 3.0),
+        ..Torso::default()
+    };
+    torso::bend(figure, &torso, rng);
+    figure.local[PELVIS] = Mat3::from_rotation_y(PI) * Mat3::from_rotation_x(FRAC_PI_2);
+    let drawn_up = rng.chance(0.4);
+    for side in Side::BOTH {
+        if drawn_up && side == Side::Left {
+            // The thigh slides out along the mattress.
+            draw_up(figure, side, rng.degrees(48.0, 6.0), rng.degrees(66.0, 8.0));
+        } else {
+            leg(figure, side, rng.degrees(-1.0, 1.5), rng.degrees(0.0, 3.0), rng.degrees(6.0, 3.0));
+        }
+        slack_foot(figure, side, rng.degrees(48.0, 5.0), rng.degrees(4.0, 8.0));
+    }
+    torso::turn_neck(
+        figure,
+        Vec3::new(rng.degrees(-6.0, 3.0), rng.degrees(62.0, 4.0), rng.degrees(0.0, 3.0)),
+    );
+    let along = ArmGoal::Along(rng.between(0.03, 0.06));
+    let goals = rng.pick(&[
+        (0.5, [ArmGoal::ByHead, ArmGoal::ByHead]),
+        (0.3, [ArmGoal::ByHead, along]),
+        (0.2, [along, along]),
+    ]);
+    super::place_arms(figure, goals, rng)
+}
+
+/// On the right side (mirrored half of the time), hips and knees bent.
+pub(super) fn on_side(figure: &mut Figure, rng: &mut impl Chance) -> [HandShape; 2] {
+    let curl = rng.between(0.0, 1.0);
+    let torso = Torso {
+        flexion: rng.degrees(8.0, 3.0) + 0.25 * curl,
+        side_bend: rng.degrees(-2.0, 3.0),
+        twist: rng.degrees(0.0, 4.0),
+        ..Torso::default()
+    };
+    torso::bend(figure, &torso, rng);
+    figure.local[PELVIS] =
+        Mat3::from_rotation_z(FRAC_PI_2 + rng.degrees(0.0, 4.0)) * Mat3::from_rotation_x(-FRAC_PI_2);
+    let hip = 20.0 + 45.0 * curl;
+    for side in Side::BOTH {
+        let upper = side == Side::Left;
+        let (more, apart) = if upper { (rng.about(14.0, 6.0), -9.0) } else { (rng.about(0.0, 4.0), -4.0) };
+        let knee = 30.0 + 48.0 * curl + more;
+        leg(figure, side, (hip + more).to_radians(), rng.degrees(apart, 1.5), knee.to_radians());
+        slack_foot(figure, side, rng.degrees(22.0, 6.0), 0.0);
+    }
+    // The pillow keeps the head level with the spine.
+    torso::turn_neck(figure, Vec3::new(rng.degrees(10.0, 6.0), rng.degrees(0.0, 6.0), rng.degrees(6.0, 3.0)));
+    let upper = rng.pick(&[(0.6, ArmGoal::BeforeChest), (0.4, ArmGoal::OnFlank)]);
+    super::place_arms(figure, [upper, ArmGoal::BeforeFace], rng)
+}
+
+/// A leg in the body's own frame, radians: hip flexed forward, moved `apart` from the middle, knee bent.
+fn leg(figure: &mut Figure, side: Side, hip_flexion: f32, apart: f32, knee: f32) {
+    let root = figure.rotation(PELVIS);
+    let thigh_turn = Mat3::from_euler(EulerRot::ZXY, side.sign() * apart, -hip_flexion, 0.0);
+    let thigh = root * thigh_turn * Vec3::NEG_Y;
+    let shank = root * thigh_turn * Mat3::from_rotation_x(knee) * Vec3::NEG_Y;
+    let knee_cap = root * thigh_turn * Vec3::Z;
+    figure.aim_limb(Limb::leg(side), thigh, shank, knee_cap);
+}
+
+/// A leg drawn up along the mattress, face down: thigh out by `apart`, the shank back in by `knee`, radians.
+fn draw_up(figure: &mut Figure, side: Side, apart: f32, knee: f32) {
+    let root = figure.rotation(PELVIS);
+    let in_plane = |angle: f32, lift: f32| root * side.outward(angle.sin(), -angle.cos(), -lift);
+    let shank = in_plane(apart - knee, 0.12).normalize_or(Vec3::Z);
+    figure.aim_limb(Limb::leg(side), in_plane(apart, 0.0), shank, root * side.outward(1.0, 0.0, 0.0));
+}
+
+/// Skin of back and seat behind the pelvis joint, body at rest.
+const BACK_M: f32 = 0.11;
+
+/// A foot without weight on it: toes pointed and fallen outwards, radians.
+fn slack_foot(figure: &mut Figure, side: Side, pointed: f32, outward: f32) {
+    let shank = figure.rotation(side.joint(LEFT_KNEE));
+    set_foot(
+        figure,
+        side,
+        shank * Mat3::from_rotation_y(side.sign() * outward) * Mat3::from_rotation_x(pointed),
+    );
+}
