@@ -7,7 +7,11 @@ mod bake;
 mod distance;
 pub(super) mod grid;
 pub(super) mod lines;
+mod fronts;
+pub(super) mod indoors;
 mod sign;
+mod standing;
+mod sweep;
 #[cfg(test)]
 pub(super) mod test_room;
 #[cfg(test)]
