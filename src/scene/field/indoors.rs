@@ -1,12 +1,13 @@
-//! Which columns of the grid belong to the room: those over its floor and a little beyond. The rest (the
+//! Which columns of the grid belong to the room: those over its floor, holes and notches closed. The rest (the
 //! notch of an L-shaped flat, the garden beyond a terrace without ground) lies outside, where all is solid.
 
 use super::grid::Grid;
 use super::lines::Lines;
 
-/// Holes in a floor (scans see none under furniture) are closed up to twice this, and the room reaches this far
-/// beyond its last floor.
-const BEYOND_FLOOR_M: f32 = 0.6;
+/// Holes and notches in a floor (scans see none behind furniture) are closed up to twice this width.
+const CLOSE_M: f32 = 0.6;
+/// The room reaches this far beyond its last floor.
+const BEYOND_FLOOR_M: f32 = 0.05;
 /// A surface is a floor up to this height: what hangs higher (a roof's overhang) shelters no room.
 const FLOOR_BELOW_M: f32 = 1.0;
 /// With less floor than this share of the box the file has no floor at all, and the box is the room.
@@ -27,14 +28,17 @@ pub(super) fn distance_indoors(grid: &Grid, heights: &Lines) -> Vec<f32> {
     if (count as f32) < LEAST_FLOOR * floored.len() as f32 || count == floored.len() {
         return vec![f32::INFINITY; nx * nz];
     }
-    let to_floor = plane_distances([nx, nz], [grid.cell_m.x, grid.cell_m.z], &floored);
-    let outside: Vec<bool> = to_floor.iter().map(|&d| d > BEYOND_FLOOR_M).collect();
+    let from_floor = plane_distances([nx, nz], [grid.cell_m.x, grid.cell_m.z], &floored);
+    let outside: Vec<bool> = from_floor.iter().map(|&d| d > CLOSE_M).collect();
     if !outside.contains(&true) {
         return vec![f32::INFINITY; nx * nz];
     }
     let to_outside = plane_distances([nx, nz], [grid.cell_m.x, grid.cell_m.z], &outside);
-    let signed = |(&inside, &floor): (&f32, &f32)| if inside > 0.0 { inside } else { BEYOND_FLOOR_M - floor };
-    to_outside.iter().zip(&to_floor).map(signed).collect()
+    let signed = |(&to_outside, &from_floor): (&f32, &f32)| {
+        let inside = to_outside - CLOSE_M + BEYOND_FLOOR_M;
+        if inside > 0.0 { inside } else { inside.min(BEYOND_FLOOR_M - from_floor).min(0.0) }
+    };
+    to_outside.iter().zip(&from_floor).map(signed).collect()
 }
 
 /// Distance in metres from each cell of a plane to the nearest one that is `set`, exact; infinite if none is.
