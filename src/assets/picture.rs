@@ -49,7 +49,10 @@ fn reader(bytes: &[u8]) -> Option<image::ImageReader<Cursor<&[u8]>>> {
 }
 
 fn sides(bytes: &[u8]) -> Option<(u32, u32)> {
-    reader(bytes)?.into_dimensions().ok()
+    let mut reader = reader(bytes)?;
+    // Only the header is read.
+    reader.no_limits();
+    reader.into_dimensions().ok()
 }
 
 fn decode(picture: &EncodedPicture, budget: &Budget) -> Result<Texture, String> {
