@@ -14,11 +14,16 @@ use super::selection::{Item, Selection};
 use crate::document::Command;
 use crate::document::Document;
 use crate::document::RoomVersion;
+use crate::inspect::BodyReport;
+use crate::inspect::Finding;
+use crate::inspect::Limits;
+use crate::inspect::Site;
 use crate::math::Aabb;
 use crate::scene::BodyParams;
 use crate::scene::Person;
 use crate::scene::PersonId;
 use crate::scene::PoseFamily;
+use crate::scene::RoomGeometry;
 
 /// What a click in the viewport does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
