@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-pub use super::stand_in::{BodyMetrics, BodyReport, Finding, Limits, Site};
 use crate::document::Project;
 use crate::evolve::PopulatePreview;
 use crate::inspect::BodyReport;

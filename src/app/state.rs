@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::engine::{BodyReport, Finding, Limits, Site};
-use super::engine::{Energies, Engine, ImportSummary, RoomGeometry};
+use super::engine::{Energies, Engine, ImportSummary};
 use super::jobs::Jobs;
 use super::notices::Notices;
 use super::orbit::Orbit;
