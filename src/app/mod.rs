@@ -20,6 +20,8 @@ mod real;
 mod screenshot;
 mod selection;
 mod state;
+#[cfg(test)]
+mod tests;
 mod theme;
 mod viewport;
 mod window;
@@ -31,6 +33,7 @@ pub use orbit::{AxisView, Orbit};
 pub use screenshot::ScreenshotPlan;
 pub use state::EditorState;
 
+use crate::document::Settings;
 use real::RealEngine;
 use window::Window;
 
@@ -69,6 +72,9 @@ pub fn run(options: AppOptions) -> anyhow::Result<()> {
     let source = real::source_named(options.project_or_room);
     let create: eframe::AppCreator<'_> = Box::new(move |cc| {
         let mut window = Window::new(cc, Arc::new(RealEngine)).with_script(script);
+        if !photographs {
+            window.remember(Settings::default_path());
+        }
         window.state.open(source);
         Ok(Box::new(window))
     });

@@ -77,6 +77,16 @@ pub enum Overlay {
     Unsaved(Leaving),
 }
 
+impl Overlay {
+    /// Whether keys belong to it: it has a field or asks something.
+    pub fn takes_keys(&self) -> bool {
+        !matches!(
+            self,
+            Self::None | Self::Shortcuts | Self::Help | Self::Import | Self::History | Self::Notifications
+        )
+    }
+}
+
 /// What would lose unsaved changes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Leaving {
