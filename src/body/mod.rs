@@ -6,6 +6,7 @@
 //! Body frame: metres, T-pose at rest, Y up, front +Z, left +X, pelvis joint near the origin; joints in
 //! SMPL-X's order ([`joints`]).
 
+mod export;
 mod families;
 mod hand_space;
 mod hands;
@@ -19,6 +20,7 @@ mod regions;
 mod subset;
 mod workspace;
 
+pub use export::skinned_mesh;
 pub use families::{FamilyHints, LeanStyle, SampledPose, sample_pose};
 pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace};
 pub use hands::HandShape;
