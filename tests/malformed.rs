@@ -79,14 +79,31 @@ fn changed(pointer: &str, value: Value) -> Vec<u8> {
 /// Nodes under one another, the last one with the mesh.
 fn chain(length: usize) -> Value {
     let mut document = document();
-    let nodes = (0..length).map(|i| if i + 1 < length { json!({ "children": [i + 1] }) } else { json!({ "mesh": 0 }) });
+    let nodes = (0..length)
+        .map(|i| if i + 1 < length { json!({ "children": [i + 1] }) } else { json!({ "mesh": 0 }) });
     document["nodes"] = nodes.collect();
     document
 }
 
 fn broken_containers() -> Vec<Case> {
     let whole = glb(&document(), &triangle_bytes());
-    let cuts = [1, 3, 5, 9, 11, 12, 15, 19, 20, 40, 200, whole.len() - 50, whole.len() - 44, whole.len() - 9, whole.len() - 1];
+    let cuts = [
+        1,
+        3,
+        5,
+        9,
+        11,
+        12,
+        15,
+        19,
+        20,
+        40,
+        200,
+        whole.len() - 50,
+        whole.len() - 44,
+        whole.len() - 9,
+        whole.len() - 1,
+    ];
     let mut cases: Vec<Case> =
         cuts.iter().map(|&cut| case(format!("cut_at_{cut}.glb"), &whole[..cut], &[])).collect();
     let patched = |at: usize, word: u32| {
@@ -122,12 +139,20 @@ fn wrong_numbers() -> Vec<Case> {
         case("count_long.glb", accessor("count", json!(1_000_000)), &["accessors[0]", "bytes are needed"]),
         case("count_max.glb", accessor("count", json!(u64::MAX)), &["accessors[0]"]),
         case("count_negative.glb", accessor("count", json!(-1)), &["JSON line"]),
-        case("offset_max.glb", accessor("byteOffset", json!(u64::MAX)), &["accessors[0]", "bytes are needed"]),
+        case(
+            "offset_max.glb",
+            accessor("byteOffset", json!(u64::MAX)),
+            &["accessors[0]", "bytes are needed"],
+        ),
         case("component.glb", accessor("componentType", json!(5130)), &["accessors[0]", "5130"]),
         case("kind.glb", accessor("type", json!("MAT4")), &["accessors[0]", "MAT4", "VEC3"]),
         case("view_of_accessor.glb", accessor("bufferView", json!(9)), &["bufferViews", "buffer view 9"]),
         case("no_bytes.glb", accessor("bufferView", json!(null)), &["accessors[0]", "no bytes"]),
-        case("view_length.glb", view("byteLength", json!(4_000_000_000_u64)), &["bufferViews[0]", "bytes are needed"]),
+        case(
+            "view_length.glb",
+            view("byteLength", json!(4_000_000_000_u64)),
+            &["bufferViews[0]", "bytes are needed"],
+        ),
         case("view_overflow.glb", view("byteOffset", json!(u64::MAX - 3)), &["bufferViews[0]"]),
         case("view_buffer.glb", view("buffer", json!(5)), &["bufferViews[0]", "buffer 5"]),
         case("view_stride.glb", view("byteStride", json!(1_000_000)), &["bufferViews[0]", "stride"]),
@@ -144,8 +169,16 @@ fn wrong_numbers() -> Vec<Case> {
         case("child.glb", changed("/nodes/0/children", json!([8])), &["nodes[0].children", "node 8"]),
         case("no_meshes.glb", changed("/nodes", json!([{}])), &["no triangles"]),
         case("only_points.glb", primitive("mode", json!(0)), &["no triangles"]),
-        case("place_infinite.glb", changed("/nodes/0/translation", json!([1e300, 0.0, 0.0])), &["nodes[0]", "finite"]),
-        case("colour_count.glb", primitive("attributes", json!({ "POSITION": 0, "COLOR_0": 1 })), &["accessors[1]"]),
+        case(
+            "place_infinite.glb",
+            changed("/nodes/0/translation", json!([1e300, 0.0, 0.0])),
+            &["nodes[0]", "finite"],
+        ),
+        case(
+            "colour_count.glb",
+            primitive("attributes", json!({ "POSITION": 0, "COLOR_0": 1 })),
+            &["accessors[1]"],
+        ),
     ]
 }
 
@@ -161,13 +194,22 @@ fn hostile_structures() -> Vec<Case> {
     let mut all_nan = triangle_bytes();
     all_nan[..36].copy_from_slice(&f32::NAN.to_le_bytes().repeat(9));
     let mut draco = document();
-    draco["meshes"][0]["primitives"][0]["extensions"] = json!({ "KHR_draco_mesh_compression": { "bufferView": 0 } });
+    draco["meshes"][0]["primitives"][0]["extensions"] =
+        json!({ "KHR_draco_mesh_compression": { "bufferView": 0 } });
     draco["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     let meshopt = json!({ "EXT_meshopt_compression": { "buffer": 0, "count": 3 } });
     vec![
         case("itself.glb", node(json!([{ "mesh": 0, "children": [0] }])), &["nodes[0]", "cycle"]),
-        case("cycle.glb", node(json!([{ "children": [1] }, { "children": [2] }, { "children": [0] }])), &["cycle"]),
-        case("hidden_cycle.glb", node(json!([{ "mesh": 0 }, { "children": [2] }, { "children": [1] }])), &["cycle"]),
+        case(
+            "cycle.glb",
+            node(json!([{ "children": [1] }, { "children": [2] }, { "children": [0] }])),
+            &["cycle"],
+        ),
+        case(
+            "hidden_cycle.glb",
+            node(json!([{ "mesh": 0 }, { "children": [2] }, { "children": [1] }])),
+            &["cycle"],
+        ),
         case("deep.glb", glb(&chain(5_000), &triangle_bytes()), &["nodes[", "above one another"]),
         case("very_deep.glb", glb(&chain(150_000), &triangle_bytes()), &["nodes[", "above one another"]),
         case("many_nodes.glb", node(vec![json!({}); 300_000].into()), &["nodes", "300000"]),
@@ -179,7 +221,11 @@ fn hostile_structures() -> Vec<Case> {
         case("sparse_falling.glb", sparse(2, 0, 0), &["accessors[0]", "sparse"]),
         case("draco.glb", glb(&draco, &triangle_bytes()), &["primitives[0]", "Draco", "Blender"]),
         case("meshopt.glb", changed("/bufferViews/0/extensions", meshopt), &["bufferViews[0]", "meshopt"]),
-        case("required.glb", changed("/extensionsRequired", json!(["X_new"])), &["extensionsRequired", "X_new"]),
+        case(
+            "required.glb",
+            changed("/extensionsRequired", json!(["X_new"])),
+            &["extensionsRequired", "X_new"],
+        ),
     ]
 }
 
@@ -207,13 +253,28 @@ fn references_that_lead_away() -> Vec<Case> {
         case("up_image.glb", image("../a.png"), &["images[0]", "outside"]),
         case("missing.glb", buffer("missing.bin"), &["buffers[0] (missing.bin)", "can't be read"]),
         case("folder.glb", buffer("."), &["buffers[0]"]),
-        case("data_garbage.glb", buffer("data:application/octet-stream;base64,!!!!"), &["buffers[0]", "base64"]),
+        case(
+            "data_garbage.glb",
+            buffer("data:application/octet-stream;base64,!!!!"),
+            &["buffers[0]", "base64"],
+        ),
         case("data_plain.glb", buffer("data:text/plain,hello"), &["buffers[0]", "base64"]),
         case("data_no_comma.glb", buffer("data:application/octet-stream;base64"), &["buffers[0]", "base64"]),
-        case("data_short.glb", buffer("data:application/octet-stream;base64,AAAA"), &["buffers[0]", "bytes are needed"]),
-        case("texture_index.glb", {
-            changed("/materials", json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 4 } } }]))
-        }, &["materials[0]", "texture 4"]),
+        case(
+            "data_short.glb",
+            buffer("data:application/octet-stream;base64,AAAA"),
+            &["buffers[0]", "bytes are needed"],
+        ),
+        case(
+            "texture_index.glb",
+            {
+                changed(
+                    "/materials",
+                    json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 4 } } }]),
+                )
+            },
+            &["materials[0]", "texture 4"],
+        ),
     ]
 }
 
@@ -227,8 +288,10 @@ fn broken_ply() -> Vec<Case> {
     let mesh = |format: &str, vertices: &str, faces: &str| {
         format!("format {format} 1.0\nelement vertex {vertices}\n{XYZ}element face {faces}\n{FACES}")
     };
-    let ascii = |vertices: &str, faces: &str, body: &str| ply(&mesh("ascii", vertices, faces), body.as_bytes());
-    let binary = |vertices: &str, faces: &str, body: &[u8]| ply(&mesh("binary_little_endian", vertices, faces), body);
+    let ascii =
+        |vertices: &str, faces: &str, body: &str| ply(&mesh("ascii", vertices, faces), body.as_bytes());
+    let binary =
+        |vertices: &str, faces: &str, body: &[u8]| ply(&mesh("binary_little_endian", vertices, faces), body);
     let corners = [0u8; 36];
     vec![
         case("no_header.ply", "plywood", &["header", "end_header"]),
@@ -238,14 +301,34 @@ fn broken_ply() -> Vec<Case> {
         case("count_word.ply", ascii("many", "1", ""), &["line 3", "many"]),
         case("count_negative.ply", ascii("-3", "1", ""), &["line 3"]),
         case("vertices_lie.ply", ascii("1000000000000", "1", "0 0 0"), &["element vertex"]),
-        case("vertices_overflow.ply", binary("18446744073709551615", "1", &corners), &["element vertex", "needed"]),
+        case(
+            "vertices_overflow.ply",
+            binary("18446744073709551615", "1", &corners),
+            &["element vertex", "needed"],
+        ),
         case("cut.ply", binary("3", "1", &corners[..20]), &["element vertex", "needed"]),
         case("faces_lie.ply", binary("3", "4000000000", &corners), &["element face", "needed"]),
-        case("list_lies.ply", binary("3", "1", &[&corners[..], &[250, 0, 0, 0, 0]].concat()), &["byte", "needed"]),
-        case("no_properties.ply", ply("format ascii 1.0\nelement vertex 9\n", b"0 0"), &["element vertex", "no properties"]),
-        case("no_z.ply", ply("format ascii 1.0\nelement vertex 1\nproperty float x\n", b"0"), &["element vertex", "lacks"]),
+        case(
+            "list_lies.ply",
+            binary("3", "1", &[&corners[..], &[250, 0, 0, 0, 0]].concat()),
+            &["byte", "needed"],
+        ),
+        case(
+            "no_properties.ply",
+            ply("format ascii 1.0\nelement vertex 9\n", b"0 0"),
+            &["element vertex", "no properties"],
+        ),
+        case(
+            "no_z.ply",
+            ply("format ascii 1.0\nelement vertex 1\nproperty float x\n", b"0"),
+            &["element vertex", "lacks"],
+        ),
         case("kind.ply", ply("format ascii 1.0\nelement vertex 1\nproperty quark x\n", b"0"), &["line 4"]),
-        case("orphan.ply", ply("format ascii 1.0\nproperty float x\n", b""), &["line 3", "before any element"]),
+        case(
+            "orphan.ply",
+            ply("format ascii 1.0\nproperty float x\n", b""),
+            &["line 3", "before any element"],
+        ),
         case("word.ply", ascii("3", "1", "0 0 0 1 zero 0 0 0 1 3 0 1 2"), &["byte", "zero"]),
         case("index.ply", ascii("3", "1", "0 0 0 1 0 0 0 0 1 3 0 1 9"), &["face 0", "vertex 9"]),
         case("index_negative.ply", ascii("3", "1", "0 0 0 1 0 0 0 0 1 3 0 1 -1"), &["face 0"]),
@@ -316,8 +399,10 @@ fn every_broken_file_is_refused_with_its_name_the_place_and_what_to_do() {
         match answer(&inner, case) {
             Ok(model) => wrong.push(format!("{} was read: {:?}", case.file, model.notes)),
             Err(text) => {
-                let missing = case.says.iter().copied().chain([case.file.as_str()]).find(|words| !text.contains(words));
-                wrong.extend(missing.map(|words| format!("{}: \"{words}\" is missing in: {text}", case.file)));
+                let missing =
+                    case.says.iter().copied().chain([case.file.as_str()]).find(|words| !text.contains(words));
+                wrong
+                    .extend(missing.map(|words| format!("{}: \"{words}\" is missing in: {text}", case.file)));
                 if text.len() > 1000 {
                     wrong.push(format!("{}: more than a paragraph", case.file));
                 }
@@ -331,7 +416,13 @@ fn every_broken_file_is_refused_with_its_name_the_place_and_what_to_do() {
 fn absurd_png(side: u32) -> Vec<u8> {
     let mut head = side.to_be_bytes().repeat(2);
     head.extend([8, 6, 0, 0, 0]);
-    [b"\x89PNG\r\n\x1a\n".to_vec(), png_chunk(b"IHDR", &head), png_chunk(b"IDAT", &[]), png_chunk(b"IEND", &[])].concat()
+    [
+        b"\x89PNG\r\n\x1a\n".to_vec(),
+        png_chunk(b"IHDR", &head),
+        png_chunk(b"IDAT", &[]),
+        png_chunk(b"IEND", &[]),
+    ]
+    .concat()
 }
 
 fn png_chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
@@ -379,19 +470,28 @@ fn mendable() -> Vec<Case> {
         case("one_nan.glb", glb(&one_nan, &bytes), &["1 triangles dropped", "finite"]),
         case("two_parents.glb", glb(&two_parents, &triangle_bytes()), &["two parents"]),
         case("two_scenes.glb", changed("/scenes", json!([{ "nodes": [0] }, { "nodes": [] }])), &["scene 0"]),
-        case("huge_image.glb", with_image(&absurd_png(60_000), plain.clone()), &["images[0]", "60000 x 60000"]),
+        case(
+            "huge_image.glb",
+            with_image(&absurd_png(60_000), plain.clone()),
+            &["images[0]", "60000 x 60000"],
+        ),
         case("absurd_image.glb", with_image(&absurd_png(u32::MAX), plain.clone()), &["images[0]"]),
         case("empty_image.glb", with_image(&absurd_png(4), plain.clone()), &["images[0]"]),
         case("no_image.glb", with_image(b"GIF89a....", plain), &["images[0]", "PNG or JPEG"]),
         case("ktx.glb", with_image(b"KTX 20", ktx), &["textures[0]", "KTX2"]),
         case("library_away.obj", obj, &["mtllib", "outside", "1 materials"]),
-        case("image_missing.glb", {
-            let mut document = document();
-            document["images"] = json!([{ "uri": "missing.png" }]);
-            document["textures"] = json!([{ "source": 0 }]);
-            document["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
-            glb(&document, &triangle_bytes())
-        }, &["images[0] (missing.png)"]),
+        case(
+            "image_missing.glb",
+            {
+                let mut document = document();
+                document["images"] = json!([{ "uri": "missing.png" }]);
+                document["textures"] = json!([{ "source": 0 }]);
+                document["materials"] =
+                    json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+                glb(&document, &triangle_bytes())
+            },
+            &["images[0] (missing.png)"],
+        ),
     ]
 }
 
@@ -416,7 +516,8 @@ fn no_cut_and_no_flipped_byte_makes_a_reader_panic_or_index_wrongly() {
     let ascii = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                  element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 0 1\n3 0 1 2\n";
     let obj = "o a\nv 0 0 0\nv 1 0 0 1 0 0\nv 0 0 1\nvt 0 0\nvn 0 1 0\nf 1/1/1 2/1/1 3/1/1\n";
-    let files = [("a.glb", glb(&document(), &triangle_bytes())), ("a.ply", ascii.into()), ("a.obj", obj.into())];
+    let files =
+        [("a.glb", glb(&document(), &triangle_bytes())), ("a.ply", ascii.into()), ("a.obj", obj.into())];
     for (name, whole) in files {
         assert_eq!(read_model_bytes(name, &whole, &budget).unwrap().triangle_count(), 1);
         for at in 0..whole.len() {
@@ -426,8 +527,14 @@ fn no_cut_and_no_flipped_byte_makes_a_reader_panic_or_index_wrongly() {
                 let Ok(model) = read_model_bytes(name, bytes, &budget) else { continue };
                 for part in &model.parts {
                     let vertices = part.mesh.positions.len();
-                    assert!(part.mesh.triangles.iter().flatten().all(|v| (*v as usize) < vertices), "{name} {at}");
-                    assert!(part.mesh.normals.len() == vertices && part.mesh.bounds().size().is_finite(), "{name} {at}");
+                    assert!(
+                        part.mesh.triangles.iter().flatten().all(|v| (*v as usize) < vertices),
+                        "{name} {at}"
+                    );
+                    assert!(
+                        part.mesh.normals.len() == vertices && part.mesh.bounds().size().is_finite(),
+                        "{name} {at}"
+                    );
                 }
             }
         }

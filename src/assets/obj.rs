@@ -182,11 +182,7 @@ impl Reader {
         if vertex == NONE {
             return Err(Fault::malformed(place(), "a corner names no vertex"));
         }
-        Ok([
-            vertex,
-            index("texture coordinate", self.uvs.len())?,
-            index("normal", self.normals.len())?,
-        ])
+        Ok([vertex, index("texture coordinate", self.uvs.len())?, index("normal", self.normals.len())?])
     }
 
     fn finish(mut self, around: Surroundings) -> Result<Model, Fault> {

@@ -100,7 +100,8 @@ pub fn atoms(model: &Model, world_from_file: Affine3A) -> Vec<Atom> {
     let mut atoms = Vec::new();
     for (group, parts) in groups(model, world_from_file).into_iter().enumerate() {
         let category = category(model, &parts);
-        let whole = atom(model, parts.iter().map(|&part| Piece { part, triangles: None }).collect(), world_from_file);
+        let whole =
+            atom(model, parts.iter().map(|&part| Piece { part, triangles: None }).collect(), world_from_file);
         let whole = Atom { category, group, ..whole };
         // A named thing is one thing, unless it is as large as many.
         if category.is_some_and(|c| c.is_structure() || is_furniture_sized(whole.bounds)) {
@@ -113,9 +114,11 @@ pub fn atoms(model: &Model, world_from_file: Affine3A) -> Vec<Atom> {
             continue;
         }
         let category = category.filter(|_| false);
-        atoms.extend(
-            components.into_iter().map(|pieces| Atom { category, group, ..atom(model, pieces, world_from_file) }),
-        );
+        atoms.extend(components.into_iter().map(|pieces| Atom {
+            category,
+            group,
+            ..atom(model, pieces, world_from_file)
+        }));
     }
     atoms
 }
@@ -191,7 +194,10 @@ fn stated_category(part: &Part) -> Option<Category> {
 fn material_category(model: &Model, parts: &[&Part]) -> Option<Category> {
     // Glass, paper and light are what many things are made of.
     let vague = |c: &Category| {
-        matches!(c, Category::Objects | Category::Misc | Category::Clothes | Category::Picture | Category::Lighting)
+        matches!(
+            c,
+            Category::Objects | Category::Misc | Category::Clothes | Category::Picture | Category::Lighting
+        )
     };
     let named = parts.iter().filter_map(|p| names::category(&model.materials.get(p.material)?.name));
     let mut found = named.filter(|c| !vague(c));
@@ -210,7 +216,8 @@ fn components(model: &Model, parts: &[usize], world_from_file: Affine3A) -> Vec<
         let mut place = |p: &Vec3| {
             let world = world_from_mesh.transform_point3(*p);
             let next = roots.len() as u32;
-            let number = *number_of.entry((world / WELD_M).round().to_array().map(|c| c as i32)).or_insert(next);
+            let number =
+                *number_of.entry((world / WELD_M).round().to_array().map(|c| c as i32)).or_insert(next);
             if number == next {
                 roots.push(next);
             }

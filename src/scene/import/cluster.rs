@@ -178,7 +178,8 @@ fn touching(model: &Model, atoms: &[Atom], world_from_file: Affine3A) -> BTreeSe
                 for shift in [-TOUCH_M * 0.5, TOUCH_M * 0.5] {
                     let cell = ((p + Vec3::splat(shift)) / CELL_M).floor().as_ivec3();
                     // Neighbouring samples fall into one cell.
-                    if in_cell.len() < start + 2 || !in_cell[in_cell.len() - 2..].iter().any(|c| c.0 == cell) {
+                    if in_cell.len() < start + 2 || !in_cell[in_cell.len() - 2..].iter().any(|c| c.0 == cell)
+                    {
                         in_cell.push((cell, number as u32));
                     }
                 }

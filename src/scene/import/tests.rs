@@ -193,8 +193,10 @@ fn a_nameless_room_is_understood_by_its_shapes() {
 #[test]
 fn a_merged_room_is_taken_apart_into_its_furniture_and_no_triangle_is_lost() {
     // One mesh for each of two materials: everything of wood, everything of the building.
-    let wood: Vec<Mesh> =
-        [table(-1.0, 0.5), chair(-1.0, 1.3), chair(-1.0, -0.3), chair(1.5, 1.0)].into_iter().flatten().collect();
+    let wood: Vec<Mesh> = [table(-1.0, 0.5), chair(-1.0, 1.3), chair(-1.0, -0.3), chair(1.5, 1.0)]
+        .into_iter()
+        .flatten()
+        .collect();
     let building: Vec<Mesh> = shell(true).into_iter().map(|(_, mesh)| mesh).collect();
     let merged = model("merged.glb", vec![("Wood", joined(&wood)), ("Plaster", joined(&building))]);
     let imported = found(&merged);
