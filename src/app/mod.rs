@@ -1,2 +1,90 @@
 //! The editor's window: panels, viewport, tools, commands, jobs, notifications. The only place that names
 //! egui. Sends intents to the document and never edits the scene in place; never names `cli`.
+//!
+//! [`EditorState`] is the editor without its window: actions, jobs and picking work on it and are tested
+//! there. `Window` only draws it and hands on what the user does.
+
+mod actions;
+mod canvas;
+mod commands;
+mod dialog;
+mod engine;
+mod icons;
+mod jobs;
+mod notices;
+mod orbit;
+mod overlay3d;
+mod panels;
+mod pick;
+mod real;
+mod screenshot;
+mod selection;
+mod state;
+#[cfg(test)]
+mod tests;
+mod theme;
+mod viewport;
+mod window;
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+pub use orbit::{AxisView, Orbit};
+pub use screenshot::ScreenshotPlan;
+pub use state::EditorState;
+
+use crate::document::Settings;
+use real::RealEngine;
+use window::Window;
+
+/// How the window starts.
+#[derive(Clone, Debug, Default)]
+pub struct AppOptions {
+    /// A room, a project or `sample:KEY` to open; the first sample room when `None`.
+    pub project_or_room: Option<PathBuf>,
+    /// Take a picture of the window and close.
+    pub screenshot: Option<ScreenshotPlan>,
+    /// Size of the window in points.
+    pub size: Option<[f32; 2]>,
+}
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// When there is no display or no graphics adapter, or the picture of [`AppOptions::screenshot`] could not be
+/// taken. Nothing that happens inside the window is an error here.
+pub fn run(options: AppOptions) -> anyhow::Result<()> {
+    let result = Arc::new(Mutex::new(None));
+    let script =
+        options.screenshot.as_ref().map(|plan| screenshot::Script::new(plan.clone(), result.clone()));
+    let photographs = script.is_some();
+    let size = options.size.unwrap_or([1440.0, 900.0]);
+    let native = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("Inhabit")
+            .with_app_id("inhabit")
+            .with_inner_size(size)
+            .with_min_inner_size([640.0, 400.0])
+            .with_drag_and_drop(true),
+        renderer: eframe::Renderer::Wgpu,
+        ..eframe::NativeOptions::default()
+    };
+    let source = real::source_named(options.project_or_room);
+    let create: eframe::AppCreator<'_> = Box::new(move |cc| {
+        let mut window = Window::new(cc, Arc::new(RealEngine)).with_script(script);
+        if !photographs {
+            window.remember(Settings::default_path());
+        }
+        window.state.open(source);
+        Ok(Box::new(window))
+    });
+    eframe::run_native("Inhabit", native, create)
+        .map_err(|error| anyhow::anyhow!("the window can't be opened: {error}"))?;
+    let taken = result.lock().unwrap_or_else(PoisonError::into_inner).take();
+    match taken {
+        Some(Ok(())) => Ok(()),
+        Some(Err(why)) => Err(anyhow::anyhow!(why)),
+        None if photographs => Err(anyhow::anyhow!("the window was closed before its picture was taken")),
+        None => Ok(()),
+    }
+}

@@ -5,6 +5,7 @@
 //! May not guess what things mean (units, categories): that is `scene`'s.
 
 pub mod cache;
+mod clips;
 pub mod npz;
 
 mod budget;
@@ -18,14 +19,17 @@ mod obj;
 mod picture;
 mod ply;
 mod read;
+mod samples;
 mod triangulate;
 mod uri;
 mod write_glb;
 
 pub use budget::Budget;
+pub use clips::{CLIP_JOINTS, PoseClip, read_pose_clips};
 pub use encode::{encode_jpeg, encode_png};
 pub use error::{AssetError, Problem};
 pub use hash::{ContentHasher, content_hash};
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
 pub use read::{read_model, read_model_bytes};
+pub use samples::{SampleRoom, sample_rooms};
 pub use write_glb::{GlbWriteError, SkinJoint, SkinnedMesh, glb_from_model, glb_from_skinned};

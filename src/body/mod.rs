@@ -6,10 +6,12 @@
 //! Body frame: metres, T-pose at rest, Y up, front +Z, left +X, pelvis joint near the origin; joints in
 //! SMPL-X's order ([`joints`]).
 
+mod export;
 mod families;
 mod hand_space;
 mod hands;
 pub mod joints;
+mod limits;
 mod model;
 mod parts;
 mod pose_space;
@@ -18,12 +20,14 @@ mod regions;
 mod subset;
 mod workspace;
 
+pub use export::skinned_mesh;
 pub use families::{FamilyHints, LeanStyle, SampledPose, sample_pose};
 pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace};
 pub use hands::HandShape;
+pub use limits::{JointLimit, joint_limits, worst_excess};
 pub use model::{BodyModel, BodyModelError};
 pub use parts::{BodyPart, BodyParts, Seams, part_at};
-pub use pose_space::{BodyPose, PoseGaussian, PoseSpace};
+pub use pose_space::{BodyPose, PoseGaussian, PoseSpace, PoseStatistics, PoseStatisticsError};
 pub use posed::{Body, Posed};
 pub use regions::{ContactRegions, Region};
 pub use subset::VertexSubset;

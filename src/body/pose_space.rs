@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::POSE;
 
+use super::hand_space::{HAND_CODE, HandSpace};
 use super::joints::BODY_JOINTS;
 
 /// Axis-angle vectors of SMPL-X's body joints 1 to 21, radians, each in its parent's frame.
@@ -66,10 +67,80 @@ impl PoseSpace for PoseGaussian {
     }
 }
 
+/// Both spaces as one file: what `inhabit train pose-prior` writes and the program embeds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PoseStatistics {
+    /// Body poses.
+    pub poses: PoseGaussian,
+    /// Hand poses.
+    pub hands: HandSpace,
+}
+
+/// Why a pose statistics file can't be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PoseStatisticsError {
+    /// Not the text it should be.
+    #[error("pose statistics: {0}; make the file again with `inhabit train pose-prior`")]
+    Syntax(#[from] ron::error::SpannedError),
+    /// Too few directions.
+    #[error(
+        "pose statistics: {POSE} body and {HAND_CODE} hand directions are needed; make the file again with `inhabit train pose-prior`"
+    )]
+    Incomplete,
+}
+
+impl PoseStatistics {
+    /// Reads the RON text of a statistics file.
+    ///
+    /// # Errors
+    /// [`PoseStatisticsError`].
+    pub fn from_ron(text: &str) -> Result<Self, PoseStatisticsError> {
+        let statistics: Self = ron::from_str(text)?;
+        let complete = statistics.poses.is_complete() && statistics.hands.is_complete();
+        if complete { Ok(statistics) } else { Err(PoseStatisticsError::Incomplete) }
+    }
+
+    /// The RON text of a statistics file.
+    ///
+    /// # Errors
+    /// What the serialiser says; it never fails on numbers.
+    pub fn to_ron(&self) -> Result<String, ron::Error> {
+        ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::new().depth_limit(3))
+    }
+}
+
 fn dot(a: &BodyPose, b: &BodyPose) -> f32 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
 fn squared(a: &BodyPose) -> f32 {
     dot(a, a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Body;
+
+    #[test]
+    fn a_code_survives_decoding_and_encoding() {
+        let body = Body::bundled();
+        let code: [f32; POSE] = std::array::from_fn(|i| (i as f32 * 1.7).sin());
+        let back = body.pose_space.encode(&body.pose_space.decode(&code));
+        for (a, b) in code.iter().zip(back) {
+            assert!((a - b).abs() < 1e-3, "{a} came back as {b}");
+        }
+    }
+
+    #[test]
+    fn statistics_survive_a_round_trip_and_a_short_file_is_refused() {
+        let text = include_str!("../../assets/body/pose_statistics.ron");
+        let mut statistics = PoseStatistics::from_ron(text).expect("bundled");
+        let again = PoseStatistics::from_ron(&statistics.to_ron().expect("text")).expect("round trip");
+        assert_eq!(again, statistics);
+        statistics.poses.directions.pop();
+        let short = PoseStatistics::from_ron(&statistics.to_ron().expect("text"));
+        assert!(matches!(short, Err(PoseStatisticsError::Incomplete)));
+        assert!(matches!(PoseStatistics::from_ron("(poses:"), Err(PoseStatisticsError::Syntax(_))));
+    }
 }

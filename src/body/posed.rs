@@ -10,14 +10,13 @@ use super::hand_space::HandSpace;
 use super::joints::JOINTS;
 use super::model::BodyModel;
 use super::parts::BodyParts;
-use super::pose_space::{PoseGaussian, PoseSpace};
+use super::pose_space::{PoseSpace, PoseStatistics};
 use super::regions::ContactRegions;
 use super::subset::VertexSubset;
 use super::workspace::Workspace;
 
 const BODY_NPZ: &[u8] = include_bytes!("../../assets/body/body.npz");
-const POSE_GAUSSIAN: &str = include_str!("../../assets/body/pose_gaussian.ron");
-const HAND_GAUSSIAN: &str = include_str!("../../assets/body/hand_gaussian.ron");
+const POSE_STATISTICS: &str = include_str!("../../assets/body/pose_statistics.ron");
 
 /// A body model with the spaces its pose codes live in: all that turns 75 numbers into a person.
 pub struct Body {
@@ -65,9 +64,8 @@ impl Body {
                 .map_err(Into::into)
                 .and_then(|npz| BodyModel::from_npz(&npz))
                 .expect("the bundled body is sound");
-            let poses: PoseGaussian = ron::from_str(POSE_GAUSSIAN).expect("the bundled poses are sound");
-            let hands: HandSpace = ron::from_str(HAND_GAUSSIAN).expect("the bundled hands are sound");
-            assert!(poses.is_complete() && hands.is_complete(), "the bundled spaces are complete");
+            let PoseStatistics { poses, hands } =
+                PoseStatistics::from_ron(POSE_STATISTICS).expect("the bundled pose statistics are sound");
             Self::new(model, Box::new(poses), hands)
         })
     }

@@ -1,1 +1,8 @@
 //! The only composer of `generate`, `fit` and `motion`: populating a room; later, actions that evolve it.
+//!
+//! Works on snapshots; may not name the document, the renderer or a front end.
+
+mod choose;
+mod populate;
+
+pub use populate::{PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};

@@ -1,2 +1,15 @@
-//! Proposals of people for a room: affordance search. May not name `fit` or `motion`, nor move vertices by
-//! gradient: what comes out is ranked starts for the fitter. Deterministic for a given seed.
+//! Proposals of people for a room: affordance search over support surfaces, heights, clearance and facing.
+//!
+//! May not name `fit` or `motion`, nor move vertices by gradient: what comes out is ranked starts for the
+//! fitter. Deterministic for a given seed, whatever the number of threads.
+
+mod cells;
+mod floor_places;
+mod lie_places;
+mod place;
+mod pose;
+mod search;
+mod seat_places;
+
+pub use place::Place;
+pub use search::{Proposal, SearchRequest, search};

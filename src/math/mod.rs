@@ -4,7 +4,9 @@
 
 mod aabb;
 mod adam;
+mod eigen;
 pub mod rotation;
 
 pub use aabb::Aabb;
 pub use adam::{Adam, AdamConfig};
+pub use eigen::symmetric_eigen;

@@ -186,6 +186,22 @@ impl Default for Look {
     }
 }
 
+impl Look {
+    /// The point that the room's shell is cut open for: the eye, or far behind an orthographic picture.
+    pub(super) fn cut_eye(camera: &Camera) -> Vec3 {
+        match camera.ortho_height_m {
+            None => camera.eye,
+            Some(_) => camera.target - camera.forward() * 1000.0,
+        }
+    }
+
+    /// Whether the room within `bounds` is cut open for `camera`: it stands outside.
+    pub(super) fn cuts(&self, camera: &Camera, bounds: &Aabb) -> bool {
+        let outside = camera.ortho_height_m.is_some() || !bounds.contains(camera.eye);
+        self.cutaway == Cutaway::Outside && outside
+    }
+}
+
 /// Refuses a camera that is not finite; one that looks nowhere is fine (it looks along -z).
 ///
 /// # Errors

@@ -195,6 +195,63 @@ impl Outfit {
         }
     }
 
+    /// Linear RGB of the point `rest` of the dressed body; a pixel is `width_m` wide there.
+    pub fn color_at(&self, rest: Vec3, width_m: f32) -> Vec3 {
+        let (x, cover) = (rest.x.abs(), |inside: f32| cover(inside, width_m));
+        let neck = self.neck_y - self.neck_fall * (rest.z + 0.02) - rest.y;
+        let arm = self.sleeve_x - x;
+        let leg = rest.y - self.leg_y;
+        let mut c = self.face_at(rest, width_m).lerp(self.hair, cover(self.hair_inside(rest)));
+        c *= hem_shade(-neck.min(arm)).min(hem_shade(-leg));
+        let trousers = self.trousers * hem_shade(rest.y - self.waist_y + 0.02);
+        c = c.lerp(trousers, cover((self.waist_y - rest.y).min(leg)));
+        let mut cloth = self.shirt;
+        if self.stripe_m > 0.0 {
+            let phase = ((rest.y / self.stripe_m).rem_euclid(1.0) - 0.5).abs() * self.stripe_m;
+            cloth = cloth.lerp(self.trim, cover(phase - 0.32 * self.stripe_m));
+        }
+        cloth = cloth.lerp(self.trim, cover(0.012 - neck.min(arm)));
+        cloth *= 1.0 - 0.25 * cover(0.004 - (rest.y - self.waist_y).abs());
+        c = c.lerp(cloth, cover((rest.y - self.waist_y).min(neck).min(arm)));
+        let sole = self.shoes.lerp(SOLE, cover(-0.897 - rest.y));
+        c.lerp(sole, cover(self.shoe_y - rest.y))
+    }
+
+    /// Linear RGB of the point `rest` of an eyeball.
+    pub fn eye_at(&self, rest: Vec3, width_m: f32) -> Vec3 {
+        let r = (rest.x.abs() - 0.030).hypot(rest.y - 0.667);
+        let white = Vec3::splat(0.85).lerp(Vec3::new(0.13, 0.075, 0.04), cover(0.0060 - r, width_m));
+        white.lerp(Vec3::splat(0.01), cover(0.0028 - r, width_m))
+    }
+
+    fn face_at(&self, p: Vec3, width_m: f32) -> Vec3 {
+        let (x, front) = (p.x.abs(), p.z - 0.09);
+        let lips = (0.008 - (x * 0.36).hypot(p.y - 0.5945)).min(front);
+        let arch = 0.6825 - (x - 0.030).powi(2) * 12.0;
+        let brow = (0.0032 - (p.y - arch).abs()).min(0.016 - (x - 0.030).abs()).min(front);
+        let cheek = (-((x - 0.043).powi(2) + (p.y - 0.625).powi(2)) / 0.0004).exp();
+        let flush = if front > 0.0 { 0.4 * cheek } else { 0.0 };
+        let mut c = self.skin * Vec3::ONE.lerp(Vec3::new(1.08, 0.82, 0.80), flush);
+        c = c.lerp(self.skin * Vec3::new(0.86, 0.52, 0.50), 0.8 * cover(lips, width_m));
+        c.lerp(self.hair * 0.7, 0.85 * cover(brow, width_m))
+    }
+
+    /// Metres inside the hairline.
+    fn hair_inside(&self, p: Vec3) -> f32 {
+        let x = p.x.abs();
+        let (nape, rise) = match self.hair_style {
+            Hair::Short => (0.60, 1.2),
+            Hair::Long => (0.535, 0.35),
+        };
+        let top = (p.y - 0.735 - (p.z - 0.14) * 0.58) * 0.86;
+        let back = (0.078 - p.z).min((p.y - nape - p.z.max(0.0) * rise) * 0.64);
+        let ear = match self.hair_style {
+            Hair::Short => (0.077 - x).max(p.y - 0.685),
+            Hair::Long => f32::INFINITY,
+        };
+        top.max(back).min(ear)
+    }
+
     /// The same numbers as `shaders/people.wgsl` reads them; `alpha` how solid, `by_heat` whether colours
     /// come from the heat map instead.
     pub(super) fn to_uniform(self, alpha: f32, by_heat: bool) -> [Vec4; 7] {
@@ -212,4 +269,17 @@ impl Outfit {
             Vec4::new(self.waist_y, self.neck_y, self.neck_fall, f32::from(u8::from(by_heat))),
         ]
     }
+}
+
+/// Soles of shoes, linear RGB.
+const SOLE: Vec3 = Vec3::new(0.75, 0.73, 0.70);
+
+/// Share of a pixel `width_m` wide that lies where `inside` is positive.
+fn cover(inside: f32, width_m: f32) -> f32 {
+    (inside / width_m.max(1e-5) + 0.5).clamp(0.0, 1.0)
+}
+
+/// Cloth has thickness: what lies beside its hem is a little darker.
+fn hem_shade(outside: f32) -> f32 {
+    1.0 - 0.45 * (-outside.max(0.0) / 0.006).exp()
 }

@@ -5,18 +5,26 @@
 //! file: pictures are returned as pixels.
 
 mod context;
+mod cpu;
 mod draw;
 mod dress;
 mod error;
 mod gpu;
 mod heat;
+mod legend;
 mod light;
+mod mips;
+mod normals;
+mod painter;
 mod picture;
+mod shell;
 
 pub use context::RenderContext;
+pub use cpu::render_on_processor;
 pub use draw::{Cutaway, DepthTest, Line, Look, PersonDraw, Point, Quality, SceneDraw, Shown};
 pub use dress::{BodySurface, Hair, Outfit, SurfacePart};
 pub use error::RenderError;
 pub use gpu::Viewport;
 pub use heat::{CONTACT_M, DEEP_END_M, FREE_END_M, HeatTick, STOPS, TICKS, heat_color, heat_position};
+pub use painter::{Backend, Painter, picture};
 pub use picture::{MAX_SIDE, Picture, render_image};

@@ -82,8 +82,8 @@ impl Finish<'_> {
         let clip_from_world = self.camera.clip_from_world(width / height);
         let view_from_clip = self.camera.view_from_world() * clip_from_world.inverse();
         let taps = match self.quality {
-            Quality::Low => 6.0,
-            Quality::High => 16.0,
+            Quality::Low => 5.0,
+            Quality::High => 14.0,
         };
         let (pixels_per_m, orthographic) = match self.camera.ortho_height_m {
             None => (height * 0.5 / (self.camera.fov_y * 0.5).tan(), 0.0),

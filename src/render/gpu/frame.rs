@@ -1,7 +1,7 @@
 use glam::{Mat4, Vec3, Vec4};
 
 use crate::math::Aabb;
-use crate::render::draw::{Cutaway, Look, Quality};
+use crate::render::draw::{Look, Quality};
 use crate::render::light::LightRig;
 use crate::scene::Camera;
 
@@ -36,11 +36,11 @@ impl Frame {
         let clip_from_world = camera.clip_from_world(width / height);
         let rig = LightRig::default();
         let taps = match look.quality {
-            Quality::Low => 3.0,
+            Quality::Low => 2.0,
             Quality::High => 6.0,
         };
-        let eye = cut_eye(camera);
-        let cut = f32::from(cuts(camera, bounds, look.cutaway));
+        let eye = Look::cut_eye(camera);
+        let cut = f32::from(u8::from(look.cuts(camera, bounds)));
         let middle = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
         let reach = if bounds.is_empty() { 0.0 } else { bounds.size().length() * 2.0 };
         let grid_y = if bounds.is_empty() { 0.0 } else { bounds.min.y.min(0.0) };
@@ -59,20 +59,6 @@ impl Frame {
             grid: Vec4::new(grid_y - GRID_SINK_M, reach.max(GRID_RADIUS_M), middle.x, middle.z),
         }
     }
-}
-
-/// The point that the room's shell is cut open for: the eye, or far behind an orthographic picture.
-pub fn cut_eye(camera: &Camera) -> Vec3 {
-    match camera.ortho_height_m {
-        None => camera.eye,
-        Some(_) => camera.target - camera.forward() * 1000.0,
-    }
-}
-
-/// 1 when the room is cut open for this camera: it stands outside.
-fn cuts(camera: &Camera, bounds: &Aabb, cutaway: Cutaway) -> u8 {
-    let outside = camera.ortho_height_m.is_some() || !bounds.contains(camera.eye);
-    u8::from(cutaway == Cutaway::Outside && outside)
 }
 
 /// The parallel view from the key light that holds everything.

@@ -7,10 +7,11 @@ use glam::{Affine3A, Vec3, Vec4};
 use wgpu::util::DeviceExt as _;
 
 use super::Pipelines;
-use super::mesh::{MeshData, RoomVertex, Shell, hung_inward};
+use super::mesh::{MeshData, RoomVertex};
 use super::texture;
 use crate::assets::{AlphaMode, Material, Mesh, Texture};
 use crate::math::Aabb;
+use crate::render::shell::{Shell, hung_inward};
 use crate::scene::{ObjectId, Room};
 
 const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
@@ -69,8 +70,8 @@ pub struct Item {
     pub object: ObjectId,
     /// How it is drawn.
     pub pass: Pass,
-    /// Middle of its box, world frame, for sorting glass.
-    pub middle: Vec3,
+    /// Its box, world frame, for sorting.
+    pub bounds: Aabb,
     /// A thing on a wall: left out when the camera looks at the wall from behind (point, direction inwards).
     hung: Option<(Vec3, Vec3)>,
     mesh: MeshKey,
@@ -154,7 +155,9 @@ impl RoomCache {
                 self.items.push(Item {
                     object: object.id,
                     pass: pass_of(room.materials.get(part.material)),
-                    middle: world_from_mesh.transform_point3(part.mesh.bounds().center()),
+                    bounds: Aabb::of(
+                        part.mesh.positions.iter().map(|p| world_from_mesh.transform_point3(*p)),
+                    ),
                     hung,
                     mesh: key,
                     material: part.material.min(room.materials.len()),

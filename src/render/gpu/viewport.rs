@@ -4,14 +4,14 @@ use wgpu::util::DeviceExt as _;
 
 use super::Pipelines;
 use super::finish::Finish;
-use super::frame::{Frame, ShadowFit, cut_eye};
+use super::frame::{Frame, ShadowFit};
 use super::marks::Marks;
 use super::room::Pass;
 use super::shadow;
 use super::targets::Targets;
 use crate::render::RenderError;
 use crate::render::context::{Cache, RenderContext};
-use crate::render::draw::{Cutaway, PersonDraw, SceneDraw, Shown, check_camera};
+use crate::render::draw::{Look, PersonDraw, SceneDraw, Shown, check_camera};
 use crate::render::light::linear_from_srgb;
 use crate::scene::Camera;
 
@@ -191,12 +191,12 @@ impl Picture<'_> {
             ..wgpu::RenderPassDescriptor::default()
         });
         pass.set_bind_group(0, &self.lit, &[]);
-        self.draw_room(&mut pass, Pass::Opaque, &self.kit.room_opaque);
-        self.draw_room(&mut pass, Pass::Masked, &self.kit.room_masked);
         pass.set_pipeline(&self.kit.person_solid);
         for person in self.solid_people() {
             self.cache.people.draw(&mut pass, person, Some(1));
         }
+        self.draw_room(&mut pass, Pass::Opaque, &self.kit.room_opaque);
+        self.draw_room(&mut pass, Pass::Masked, &self.kit.room_masked);
         if self.draw.look.grid == Shown::Yes {
             pass.set_pipeline(&self.kit.grid);
             pass.draw(0..4, 0..1);
@@ -208,28 +208,33 @@ impl Picture<'_> {
     }
 
     fn is_shown(&self, item: &super::room::Item) -> bool {
-        let eye = cut_eye(self.camera);
-        let outside = self.camera.ortho_height_m.is_some() || !self.cache.room.bounds().contains(eye);
-        !(self.draw.look.cutaway == Cutaway::Outside && outside && item.is_cut_for(eye))
+        let cuts = self.draw.look.cuts(self.camera, &self.cache.room.bounds());
+        !(cuts && item.is_cut_for(Look::cut_eye(self.camera)))
     }
 
+    /// The nearest first, so that what they hide costs little.
     fn draw_room(&self, pass: &mut wgpu::RenderPass<'_>, kind: Pass, pipeline: &wgpu::RenderPipeline) {
         pass.set_pipeline(pipeline);
-        for item in self.cache.room.items().iter().filter(|i| i.pass == kind && self.is_shown(i)) {
+        for item in self.sorted(kind) {
             self.cache.room.draw(pass, item);
         }
     }
 
     /// See-through things, the farthest first.
     fn draw_glass(&self, pass: &mut wgpu::RenderPass<'_>) {
-        let eye = cut_eye(self.camera);
-        let items = self.cache.room.items().iter();
-        let mut glass: Vec<_> = items.filter(|i| i.pass == Pass::Blend && self.is_shown(i)).collect();
-        glass.sort_by(|a, b| b.middle.distance_squared(eye).total_cmp(&a.middle.distance_squared(eye)));
         pass.set_pipeline(&self.kit.room_blend);
-        for item in glass {
+        for item in self.sorted(Pass::Blend).into_iter().rev() {
             self.cache.room.draw(pass, item);
         }
+    }
+
+    /// What is shown of one kind, the nearest first.
+    fn sorted(&self, kind: Pass) -> Vec<&super::room::Item> {
+        let eye = Look::cut_eye(self.camera);
+        let items = self.cache.room.items().iter();
+        let mut shown: Vec<_> = items.filter(|i| i.pass == kind && self.is_shown(i)).collect();
+        shown.sort_by(|a, b| a.bounds.distance(eye).total_cmp(&b.bounds.distance(eye)));
+        shown
     }
 
     /// Each ghost first as depth, then as colour: only its front shows.

@@ -25,8 +25,10 @@ fn depth_at(pixel: vec2f) -> f32 {
 
 fn view_of(pixel: vec2f) -> vec3f {
     let ndc = vec2f(pixel.x / view.size.x * 2.0 - 1.0, 1.0 - pixel.y / view.size.y * 2.0);
-    let q = view.view_from_clip * vec4f(ndc, depth_at(pixel), 1.0);
-    return q.xyz / q.w;
+    // A symmetric projection's inverse has these entries only.
+    let m = view.view_from_clip;
+    let d = depth_at(pixel);
+    return vec3f(m[0].x * ndc.x, m[1].y * ndc.y, m[2].z * d + m[3].z) / (m[2].w * d + m[3].w);
 }
 
 // The shorter of two differences: the one that does not cross a silhouette.

@@ -1,0 +1,488 @@
+//! What each command does to the editor. Called from menus, keys, palette and panels alike.
+
+use std::path::PathBuf;
+
+use glam::Vec3;
+
+use super::engine::{ImportChoice, Source};
+use super::orbit::AxisView;
+use super::selection::Item;
+use super::state::{EditorState, Heat, Leaving, Overlay, Tool};
+use crate::document::Command;
+use crate::math::Aabb;
+use crate::scene::PersonId;
+
+/// Where a copy comes to stand, in metres from the original.
+const COPY_OFFSET_M: Vec3 = Vec3::new(0.5, 0.0, 0.0);
+
+/// Asks for a file to open.
+pub fn ask_for_file(state: &mut EditorState) {
+    state.requests.open_dialog = true;
+}
+
+/// Shows the field for a path and the recent files.
+pub fn ask_for_path(state: &mut EditorState) {
+    state.overlay = Overlay::OpenPath(String::new());
+}
+
+/// Opens the first bundled room.
+pub fn open_first_sample(state: &mut EditorState) {
+    state.open(Source::Sample(0));
+}
+
+/// Opens a file of the user's with everything detected.
+pub fn open_file(state: &mut EditorState, path: PathBuf) {
+    state.open(Source::File(path, ImportChoice::default()));
+}
+
+/// Saves where it was saved before, or asks where.
+pub fn save(state: &mut EditorState) {
+    match state.project.clone() {
+        Some(path) => state.start_saving(path),
+        None => save_as(state),
+    }
+}
+
+/// Asks where to save.
+pub fn save_as(state: &mut EditorState) {
+    state.requests.save_dialog = true;
+}
+
+/// Shows the import report.
+pub fn show_import(state: &mut EditorState) {
+    state.overlay = Overlay::Import;
+}
+
+/// Closes the window, after asking when there are unsaved changes.
+pub fn quit(state: &mut EditorState) {
+    if state.document.is_dirty() && !state.document.scene().people.is_empty() {
+        state.overlay = Overlay::Unsaved(Leaving::Quit);
+    } else {
+        state.requests.close = true;
+    }
+}
+
+/// Takes the last change back.
+pub fn undo(state: &mut EditorState) {
+    if let Some(label) = state.document.undo() {
+        state.selection.prune(state.document.scene());
+        state.notices.info(format!("Undone: {label}"));
+    }
+}
+
+/// Does it again.
+pub fn redo(state: &mut EditorState) {
+    if let Some(label) = state.document.redo() {
+        state.selection.prune(state.document.scene());
+        state.notices.info(format!("Done again: {label}"));
+    }
+}
+
+/// Shows the undo history.
+pub fn show_history(state: &mut EditorState) {
+    state.overlay = Overlay::History;
+}
+
+/// Copies the selection aside and selects the copies.
+pub fn duplicate(state: &mut EditorState) {
+    let people: Vec<_> = {
+        let scene = state.document.scene();
+        state.selection.people().iter().filter_map(|id| scene.person(*id)).cloned().collect()
+    };
+    let objects = state.selection.objects();
+    let (first_person, first_object) = (state.document.next_person(), state.document.next_object());
+    state.document.begin("Duplicate");
+    if !people.is_empty() {
+        let mut copies = people;
+        for copy in &mut copies {
+            copy.body.translation += COPY_OFFSET_M;
+            copy.name.push_str(" copy");
+            copy.locked = false;
+            copy.palette = copy.palette.wrapping_add(1);
+        }
+        state.apply(Command::AddPeople { people: copies, made_for: None });
+    }
+    if !objects.is_empty() {
+        state.apply(Command::DuplicateObjects(objects, COPY_OFFSET_M));
+    }
+    state.document.commit();
+    let scene = state.document.scene();
+    let people = scene.people.iter().map(|p| p.id).filter(|id| id.0 >= first_person).map(Item::Person);
+    let objects = scene.room.objects.iter().map(|o| o.id).filter(|id| id.0 >= first_object);
+    let copies: Vec<Item> = people.chain(objects.map(Item::Object)).collect();
+    state.selection.set(copies);
+}
+
+/// Removes the selection, but what is locked.
+pub fn delete(state: &mut EditorState) {
+    let scene = state.document.scene();
+    let mut locked = 0;
+    let people: Vec<PersonId> = state
+        .selection
+        .people()
+        .into_iter()
+        .filter(|id| {
+            scene.person(*id).is_some_and(|p| {
+                !p.locked || {
+                    locked += 1;
+                    false
+                }
+            })
+        })
+        .collect();
+    let objects: Vec<_> = state
+        .selection
+        .objects()
+        .into_iter()
+        .filter(|id| {
+            scene.room.object(*id).is_some_and(|o| {
+                !o.locked || {
+                    locked += 1;
+                    false
+                }
+            })
+        })
+        .collect();
+    state.document.begin(removal_label(people.len(), objects.len()));
+    if !people.is_empty() {
+        state.apply(Command::RemovePeople(people));
+    }
+    if !objects.is_empty() {
+        state.apply(Command::RemoveObjects(objects));
+    }
+    state.document.commit();
+    if locked > 0 {
+        state.notices.warning(format!("{locked} locked and left in place. L unlocks."));
+    }
+}
+
+fn removal_label(people: usize, objects: usize) -> String {
+    match (people, objects) {
+        (_, 0) => Command::RemovePeople(vec![PersonId(0); people]).label(),
+        (0, n) => format!("Remove {n} object{}", if n == 1 { "" } else { "s" }),
+        _ => format!("Remove {} things", people + objects),
+    }
+}
+
+/// Asks for a new name of the active item.
+pub fn rename(state: &mut EditorState) {
+    let Some(item) = state.selection.active() else { return };
+    let scene = state.document.scene();
+    let name = match item {
+        Item::Person(id) => scene.person(id).map(|p| p.name.clone()),
+        Item::Object(id) => scene.room.object(id).map(|o| o.name.clone()),
+    };
+    state.overlay = Overlay::Rename(item, name.unwrap_or_default());
+}
+
+/// Gives an item the name that was typed.
+pub fn give_name(state: &mut EditorState, item: Item, name: String) {
+    state.apply(match item {
+        Item::Person(id) => Command::RenamePerson(id, name),
+        Item::Object(id) => Command::RenameObject(id, name),
+    });
+}
+
+/// Does something to the selected people and to the selected objects as one step.
+fn to_selection(
+    state: &mut EditorState,
+    label: &str,
+    people: impl FnOnce(Vec<PersonId>) -> Command,
+    objects: impl FnOnce(Vec<crate::scene::ObjectId>) -> Command,
+) {
+    let (who, what) = (state.selection.people(), state.selection.objects());
+    state.document.begin(label);
+    if !who.is_empty() {
+        state.apply(people(who));
+    }
+    if !what.is_empty() {
+        state.apply(objects(what));
+    }
+    state.document.commit();
+}
+
+/// Locks the selection, or unlocks it if all of it is locked.
+pub fn lock(state: &mut EditorState) {
+    let scene = state.document.scene();
+    let people = state.selection.people();
+    let objects = state.selection.objects();
+    let all = people.iter().all(|id| scene.person(*id).is_some_and(|p| p.locked))
+        && objects.iter().all(|id| scene.room.object(*id).is_some_and(|o| o.locked));
+    let (label, locked) = if all { ("Unlock", false) } else { ("Lock", true) };
+    to_selection(
+        state,
+        label,
+        |ids| Command::SetPeopleLocked(ids, locked),
+        |ids| Command::SetObjectsLocked(ids, locked),
+    );
+}
+
+/// Hides the selection.
+pub fn hide(state: &mut EditorState) {
+    to_selection(
+        state,
+        "Hide",
+        |ids| Command::SetPeopleVisible(ids, false),
+        |ids| Command::SetObjectsVisible(ids, false),
+    );
+}
+
+/// Shows all that is hidden.
+pub fn show_all(state: &mut EditorState) {
+    state.view.isolated = None;
+    let scene = state.document.scene();
+    let people = scene.people.iter().map(|p| p.id).collect();
+    let objects = scene.room.objects.iter().map(|o| o.id).collect();
+    state.document.begin("Show all");
+    state.apply(Command::SetPeopleVisible(people, true));
+    state.apply(Command::SetObjectsVisible(objects, true));
+    state.document.commit();
+}
+
+/// Shows the selection alone, or all again. Only a way of looking: geometry and history don't change.
+pub fn isolate(state: &mut EditorState) {
+    let selection = &state.selection;
+    state.view.isolated = match state.view.isolated {
+        None if !selection.is_empty() => {
+            let people = selection.people().into_iter().map(Item::Person);
+            Some(people.chain(selection.objects().into_iter().map(Item::Object)).collect())
+        }
+        _ => None,
+    };
+}
+
+/// Selects every person.
+pub fn select_all(state: &mut EditorState) {
+    let all: Vec<Item> = state.document.scene().people.iter().map(|p| Item::Person(p.id)).collect();
+    state.selection.set(all);
+}
+
+/// Clears the selection.
+pub fn select_none(state: &mut EditorState) {
+    state.selection.clear();
+}
+
+/// Selects the people that are not selected.
+pub fn select_inverse(state: &mut EditorState) {
+    let people = state.document.scene().people.iter().map(|p| Item::Person(p.id));
+    let others: Vec<Item> = people.filter(|item| !state.selection.contains(*item)).collect();
+    state.selection.set(others);
+}
+
+/// Selects the next person.
+pub fn next_person(state: &mut EditorState) {
+    step_person(state, 1);
+}
+
+/// Selects the previous person.
+pub fn previous_person(state: &mut EditorState) {
+    step_person(state, -1);
+}
+
+fn step_person(state: &mut EditorState, step: isize) {
+    let people = &state.document.scene().people;
+    let count = people.len() as isize;
+    if count == 0 {
+        return;
+    }
+    let active = state.selection.active_person();
+    let now = people.iter().position(|p| Some(p.id) == active);
+    let next = now.map_or(if step > 0 { 0 } else { count - 1 }, |at| (at as isize + step).rem_euclid(count));
+    let id = people[next as usize].id;
+    state.selection.only(Item::Person(id));
+}
+
+/// Brings the selection into view.
+pub fn frame_selection(state: &mut EditorState) {
+    let people = state.selection.people().into_iter().map(Item::Person);
+    let objects = state.selection.objects().into_iter().map(Item::Object);
+    let bounds = people.chain(objects).fold(Aabb::EMPTY, |all, item| all.union(state.bounds_of(item)));
+    state.orbit.frame(&bounds, state.aspect);
+}
+
+/// Brings one item into view.
+pub fn frame_item(state: &mut EditorState, item: Item) {
+    let bounds = state.bounds_of(item);
+    state.orbit.frame(&bounds, state.aspect);
+}
+
+/// Brings everything into view.
+pub fn frame_all(state: &mut EditorState) {
+    let bounds = state.document.scene().room.bounds();
+    state.orbit.frame(&bounds, state.aspect);
+}
+
+/// Looks along an axis.
+pub fn view(state: &mut EditorState, view: AxisView) {
+    state.orbit.view(view);
+}
+
+/// The view from a corner, as after opening.
+pub fn home_view(state: &mut EditorState) {
+    let fresh = super::orbit::Orbit::default();
+    state.orbit.arrive();
+    state.orbit.yaw = fresh.yaw;
+    state.orbit.pitch = fresh.pitch;
+    state.orbit.ortho = false;
+    frame_all(state);
+}
+
+/// Switches the projection.
+pub fn toggle_ortho(state: &mut EditorState) {
+    state.orbit.ortho = !state.orbit.ortho;
+}
+
+/// Switches the cutaway of walls.
+pub fn toggle_cutaway(state: &mut EditorState) {
+    state.view.cutaway = !state.view.cutaway;
+}
+
+/// Switches the grid.
+pub fn toggle_grid(state: &mut EditorState) {
+    state.view.grid = !state.view.grid;
+}
+
+/// Switches the theme.
+pub fn toggle_theme(state: &mut EditorState) {
+    state.view.dark = !state.view.dark;
+}
+
+/// Switches full screen.
+pub fn toggle_full_screen(state: &mut EditorState) {
+    state.requests.full_screen = true;
+}
+
+/// Puts the panels back.
+pub fn reset_layout(state: &mut EditorState) {
+    state.requests.reset_layout = true;
+}
+
+/// Puts people into the room.
+pub fn populate(state: &mut EditorState) {
+    state.start_populating(None);
+}
+
+/// The next click puts somebody there.
+pub fn put_here(state: &mut EditorState) {
+    state.tool = if state.tool == Tool::PutHere { Tool::Select } else { Tool::PutHere };
+}
+
+/// Makes the selected people, or the ones made last, anew with another seed.
+pub fn re_roll(state: &mut EditorState) {
+    let selected = state.selection.people();
+    let ids = if selected.is_empty() { state.last_made.clone() } else { selected };
+    let scene = state.document.scene();
+    let ids: Vec<PersonId> =
+        ids.into_iter().filter(|id| scene.person(*id).is_some_and(|p| !p.locked)).collect();
+    if ids.is_empty() {
+        state.notices.warning("Nobody to re-roll: select somebody who is not locked.");
+        return;
+    }
+    state.populate.seed = state.populate.seed.wrapping_add(1);
+    state.start_re_rolling(&ids);
+}
+
+/// Stops everything that runs.
+pub fn cancel_jobs(state: &mut EditorState) {
+    state.cancel_all();
+}
+
+/// Off, then distances.
+pub fn cycle_heat(state: &mut EditorState) {
+    state.view.heat = match state.view.heat {
+        Heat::Off => Heat::Distance,
+        Heat::Distance => Heat::Off,
+    };
+}
+
+/// Goes to the next finding.
+pub fn next_finding(state: &mut EditorState) {
+    step_finding(state, 1);
+}
+
+/// Goes to the previous finding.
+pub fn previous_finding(state: &mut EditorState) {
+    step_finding(state, -1);
+}
+
+fn step_finding(state: &mut EditorState, step: isize) {
+    let count = state.findings().len() as isize;
+    if count == 0 {
+        return;
+    }
+    let next = state
+        .finding
+        .map_or(if step > 0 { 0 } else { count - 1 }, |at| (at as isize + step).rem_euclid(count));
+    go_to_finding(state, next as usize);
+}
+
+/// Selects and frames the person of a finding.
+pub fn go_to_finding(state: &mut EditorState, number: usize) {
+    if let Some(finding) = state.findings().get(number) {
+        let item = Item::Person(PersonId(finding.site.body));
+        state.finding = Some(number);
+        state.selection.only(item);
+        frame_item(state, item);
+    }
+}
+
+/// Measures the selected people anew.
+pub fn measure_again(state: &mut EditorState) {
+    for id in state.selection.people() {
+        state.forget_measured(id);
+    }
+}
+
+/// Shows the palette.
+pub fn show_palette(state: &mut EditorState) {
+    state.overlay = Overlay::Palette { query: String::new(), row: 0 };
+}
+
+/// Lists every key.
+pub fn show_shortcuts(state: &mut EditorState) {
+    state.overlay = Overlay::Shortcuts;
+}
+
+/// Shows the first steps.
+pub fn show_help(state: &mut EditorState) {
+    state.overlay = Overlay::Help;
+}
+
+/// Shows everything that was said.
+pub fn show_notifications(state: &mut EditorState) {
+    state.notices.mark_read();
+    state.overlay = Overlay::Notifications;
+}
+
+/// One thing at a time: closes what is open, ends a drag, leaves the tool, clears the selection. Never quits.
+pub fn escape(state: &mut EditorState) {
+    if state.overlay != Overlay::None {
+        state.overlay = Overlay::None;
+    } else if state.document.in_gesture() {
+        state.document.abort();
+    } else if state.tool != Tool::Select {
+        state.tool = Tool::Select;
+    } else {
+        state.selection.clear();
+    }
+}
+
+/// Sets one shape number of a person; part of the gesture that the slider opened.
+pub fn set_beta(state: &mut EditorState, id: PersonId, index: usize, value: f32) {
+    let Some(person) = state.document.scene().person(id) else { return };
+    let mut body = person.body.clone();
+    body.betas[index] = value;
+    state.apply(Command::SetBody(id, body));
+}
+
+/// Goes to a step of the history: `steps` back (negative) or forward.
+pub fn travel(state: &mut EditorState, steps: isize) {
+    for _ in 0..steps.unsigned_abs() {
+        if steps < 0 {
+            state.document.undo()
+        } else {
+            state.document.redo()
+        };
+    }
+    state.selection.prune(state.document.scene());
+}

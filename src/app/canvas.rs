@@ -1,0 +1,262 @@
+//! Draws the scene into a texture of the window's graphics device and shows it. What has not changed since
+//! the last frame is not drawn again. A fault of the graphics device is shown as text, never a crash.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use egui::{Color32, Rect, TextureId, Ui, pos2};
+use glam::Vec3;
+
+use super::engine::Engine;
+use super::selection::Item;
+use super::state::{EditorState, Heat, ViewOptions};
+use super::theme;
+use crate::render::BodySurface;
+use crate::render::Cutaway;
+use crate::render::Look;
+use crate::render::PersonDraw;
+use crate::render::Quality;
+use crate::render::RenderContext;
+use crate::render::SceneDraw;
+use crate::render::Shown;
+use crate::render::Viewport;
+use crate::scene::BodyParams;
+use crate::scene::Camera;
+use crate::scene::Person;
+use crate::scene::PersonId;
+use crate::scene::Room;
+
+/// How much of a ghost is seen.
+const GHOST_ALPHA: f32 = 0.45;
+/// Numbers of ghosts lie apart from those of people, who count from 0.
+const GHOST_IDS: u32 = 1 << 31;
+
+/// Vertices of somebody, kept while the body stays the same.
+struct Posed {
+    body: BodyParams,
+    vertices: Arc<[Vec3]>,
+}
+
+/// The room with some objects left out, kept while nothing changes.
+struct FilteredRoom {
+    of: Arc<Room>,
+    view: Option<std::collections::BTreeSet<Item>>,
+    room: Arc<Room>,
+}
+
+/// The device and everything that is kept from frame to frame.
+struct Gpu {
+    context: RenderContext,
+    egui: egui_wgpu::RenderState,
+    viewport: Viewport,
+    texture: Option<(TextureId, [u32; 2])>,
+}
+
+/// Draws the 3-D view.
+#[derive(Default)]
+pub struct Canvas {
+    gpu: Option<Gpu>,
+    fault: Option<String>,
+    surface: Option<Arc<BodySurface>>,
+    posed: BTreeMap<u32, Posed>,
+    filtered: Option<FilteredRoom>,
+    drawn: Option<Drawn>,
+    frame_ms: f32,
+}
+
+/// What the texture shows; when it is wanted again, nothing is drawn.
+#[derive(Clone, PartialEq)]
+struct Drawn {
+    camera: Camera,
+    size: [u32; 2],
+    revision: u64,
+    heat_ready: usize,
+    selected: Vec<Item>,
+    hovered: Option<Item>,
+    ghosts: Vec<Person>,
+    view: ViewOptions,
+    moving: bool,
+}
+
+impl Canvas {
+    /// A canvas on the window's device; without one it says so where the picture would be.
+    pub fn new(egui: Option<&egui_wgpu::RenderState>) -> Self {
+        let Some(egui) = egui else {
+            let fault = "There is no graphics adapter, so the room can't be drawn.".to_owned();
+            return Self { fault: Some(fault), ..Self::default() };
+        };
+        match RenderContext::from_device(egui.device.clone(), egui.queue.clone()) {
+            Ok(context) => {
+                let gpu = Gpu { context, egui: egui.clone(), viewport: Viewport::default(), texture: None };
+                Self { gpu: Some(gpu), ..Self::default() }
+            }
+            Err(error) => Self { fault: Some(error.to_string()), ..Self::default() },
+        }
+    }
+
+    /// Name of the adapter; empty without one.
+    pub fn adapter(&self) -> String {
+        self.gpu.as_ref().map_or(String::new(), |gpu| gpu.egui.adapter.get_info().name)
+    }
+
+    /// Milliseconds that the last drawing took on this side of the device.
+    pub fn frame_ms(&self) -> f32 {
+        self.frame_ms
+    }
+
+    /// Shows the scene in `rect`.
+    pub fn show(&mut self, ui: &Ui, rect: Rect, state: &EditorState, hovered: Option<Item>) {
+        let background = theme::palette(ui.visuals()).background;
+        let [r, g, b] = background;
+        ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
+        if !state.has_room() {
+            return;
+        }
+        let scale = ui.ctx().pixels_per_point();
+        let size = [(rect.width() * scale).round() as u32, (rect.height() * scale).round() as u32];
+        let moving = ui.input(|i| i.pointer.any_down() || i.smooth_scroll_delta.y != 0.0);
+        let wanted = Drawn {
+            camera: state.orbit.camera(),
+            size: size.map(|side| side.max(1)),
+            revision: state.document.revision(),
+            heat_ready: state.measured_count(),
+            selected: state.selection.iter().collect(),
+            hovered,
+            ghosts: state.ghosts.clone(),
+            view: state.view.clone(),
+            moving,
+        };
+        if self.drawn.as_ref() != Some(&wanted) {
+            self.draw(state, &wanted, background);
+            self.drawn = Some(wanted);
+            if moving {
+                // One more picture at full quality once the mouse rests.
+                ui.ctx().request_repaint();
+            }
+        }
+        self.paint(ui, rect);
+    }
+
+    fn paint(&self, ui: &Ui, rect: Rect) {
+        if let Some(fault) = &self.fault {
+            let style = egui::TextStyle::Body.resolve(ui.style());
+            let color = ui.visuals().error_fg_color;
+            let galley = ui.painter().layout(fault.clone(), style, color, rect.width() - 48.0);
+            ui.painter().galley(rect.center() - galley.size() * 0.5, galley, color);
+        } else if let Some((texture, _)) = self.gpu.as_ref().and_then(|gpu| gpu.texture) {
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(texture, rect, whole, Color32::WHITE);
+        }
+    }
+
+    fn draw(&mut self, state: &EditorState, wanted: &Drawn, background: [u8; 3]) {
+        let started = Instant::now();
+        let scene = self.scene(state, wanted, background);
+        let Some(gpu) = &mut self.gpu else { return };
+        match gpu.viewport.render(&gpu.context, &scene, &wanted.camera, wanted.size) {
+            Ok(()) => {
+                self.fault = None;
+                gpu.show_texture();
+            }
+            Err(error) => self.fault = Some(error.to_string()),
+        }
+        self.frame_ms = started.elapsed().as_secs_f32() * 1e3;
+    }
+
+    fn scene(&mut self, state: &EditorState, wanted: &Drawn, background: [u8; 3]) -> SceneDraw {
+        let slow = self.gpu.as_ref().is_some_and(|gpu| gpu.context.is_software());
+        let surface = self.surface.get_or_insert_with(|| state.engine().surface()).clone();
+        let yes_no = |yes: bool| if yes { Shown::Yes } else { Shown::No };
+        let look = Look {
+            quality: if slow && wanted.moving { Quality::Low } else { Quality::High },
+            cutaway: if state.view.cutaway { Cutaway::Outside } else { Cutaway::Off },
+            grid: yes_no(state.view.grid),
+            legend: Shown::No,
+            background,
+        };
+        let mut selected_objects = state.selection.objects();
+        if let Some(Item::Object(id)) = wanted.hovered.filter(|_| state.tool == super::state::Tool::PutHere) {
+            selected_objects.push(id);
+        }
+        let people = self.people(state, wanted);
+        let room = self.room(state);
+        SceneDraw { room, body: Some(surface), people, selected_objects, look, ..SceneDraw::default() }
+    }
+
+    fn people(&mut self, state: &EditorState, wanted: &Drawn) -> Vec<PersonDraw> {
+        let engine = state.engine().clone();
+        let only = state.view.isolated.as_ref();
+        let shown = |p: &&Person| p.visible && only.is_none_or(|only| only.contains(&Item::Person(p.id)));
+        let solid = state.document.scene().people.iter().filter(shown).map(|person| {
+            let mut draw =
+                PersonDraw::new(person.id, self.pose(&engine, person.id.0, &person.body), person.palette);
+            let item = Item::Person(person.id);
+            draw.selected = state.selection.contains(item) || wanted.hovered == Some(item);
+            if state.view.heat == Heat::Distance {
+                draw.heat = state.measured(person.id).map(|m| m.distances_m.clone());
+            }
+            draw
+        });
+        let mut people: Vec<PersonDraw> = solid.collect();
+        for (i, ghost) in state.ghosts.iter().enumerate() {
+            let id = GHOST_IDS + i as u32;
+            let vertices = self.pose(&engine, id, &ghost.body);
+            let mut draw = PersonDraw::new(PersonId(id), vertices, ghost.palette);
+            draw.alpha = GHOST_ALPHA;
+            people.push(draw);
+        }
+        let alive: Vec<u32> = people.iter().map(|p| p.id.0).collect();
+        self.posed.retain(|id, _| alive.contains(id));
+        people
+    }
+
+    fn pose(&mut self, engine: &Arc<dyn Engine>, id: u32, body: &BodyParams) -> Arc<[Vec3]> {
+        match self.posed.get(&id) {
+            Some(posed) if posed.body == *body => posed.vertices.clone(),
+            _ => {
+                let vertices = engine.pose(body);
+                self.posed.insert(id, Posed { body: body.clone(), vertices: vertices.clone() });
+                vertices
+            }
+        }
+    }
+
+    /// The room without what isolation leaves out; the same `Arc` while nothing changes.
+    fn room(&mut self, state: &EditorState) -> Arc<Room> {
+        let room = &state.document.scene().room;
+        let Some(only) = &state.view.isolated else { return room.clone() };
+        if let Some(filtered) = &self.filtered
+            && Arc::ptr_eq(&filtered.of, room)
+            && filtered.view.as_ref() == Some(only)
+        {
+            return filtered.room.clone();
+        }
+        let mut shown = room.as_ref().clone();
+        shown.objects.retain(|o| only.contains(&Item::Object(o.id)));
+        let shown = Arc::new(shown);
+        self.filtered =
+            Some(FilteredRoom { of: room.clone(), view: Some(only.clone()), room: shown.clone() });
+        shown
+    }
+}
+
+impl Gpu {
+    /// Makes egui show the texture that was drawn; it is a new one whenever the size has changed.
+    fn show_texture(&mut self) {
+        let (Some(view), Some(size)) = (self.viewport.view(), self.viewport.size()) else { return };
+        let device = &self.egui.device;
+        let mut renderer = self.egui.renderer.write();
+        match self.texture {
+            Some((_, of)) if of == size => {}
+            Some((id, _)) => {
+                renderer.update_egui_texture_from_wgpu_texture(device, view, wgpu::FilterMode::Linear, id);
+                self.texture = Some((id, size));
+            }
+            None => {
+                let id = renderer.register_native_texture(device, view, wgpu::FilterMode::Linear);
+                self.texture = Some((id, size));
+            }
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Drives the window from the command line: opens, populates, waits for the work, takes the window's picture
+//! and closes. The pictures of the documentation are made this way, so anybody can make them again.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use egui::{ColorImage, Context, ViewportCommand};
+
+use super::actions;
+use super::selection::Item;
+use super::state::{EditorState, Heat, Overlay};
+
+/// Frames drawn after the last change, so that glides, layout and the last full-quality picture are done.
+const SETTLE_FRAMES: u32 = 12;
+
+/// What to do before the picture is taken.
+#[derive(Clone, Debug, Default)]
+pub struct ScreenshotPlan {
+    /// Where the PNG goes.
+    pub file: PathBuf,
+    /// How many people to make; 0 for none.
+    pub people: usize,
+    /// Seed of the people.
+    pub seed: u64,
+    /// Paint bodies by distance.
+    pub heat: bool,
+    /// Select this person, counted from 0.
+    pub select: Option<usize>,
+    /// Zoom on the selected person.
+    pub frame_selected: bool,
+    /// The light theme.
+    pub light: bool,
+    /// Show this overlay: `palette`, `shortcuts`, `help`, `import` or `history`.
+    pub overlay: Option<String>,
+}
+
+/// A plan being carried out.
+pub struct Script {
+    plan: ScreenshotPlan,
+    stage: Stage,
+    result: Arc<Mutex<Option<Result<(), String>>>>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Opening,
+    Populating,
+    Settling(u32),
+    Taking,
+    Done,
+}
+
+impl Script {
+    /// Begins `plan`. The outcome is put into `result` before the window closes.
+    pub fn new(plan: ScreenshotPlan, result: Arc<Mutex<Option<Result<(), String>>>>) -> Self {
+        Self { plan, stage: Stage::Opening, result }
+    }
+
+    /// Goes on as far as the work allows; called once a frame.
+    pub fn advance(&mut self, ctx: &Context, state: &mut EditorState) {
+        if self.stage == Stage::Done {
+            return;
+        }
+        ctx.request_repaint();
+        let idle = !state.jobs.any_running();
+        self.stage = match self.stage {
+            Stage::Opening if state.jobs.opening() => Stage::Opening,
+            Stage::Opening => self.begin(state),
+            Stage::Populating if idle => self.look(state),
+            Stage::Settling(0) => self.take(ctx),
+            Stage::Settling(left) if idle => Stage::Settling(left - 1),
+            stage => stage,
+        };
+    }
+
+    fn begin(&mut self, state: &mut EditorState) -> Stage {
+        state.view.dark = !self.plan.light;
+        if self.plan.people > 0 && state.has_room() {
+            state.populate.people = self.plan.people;
+            state.populate.seed = self.plan.seed;
+            actions::populate(state);
+        }
+        Stage::Populating
+    }
+
+    fn look(&mut self, state: &mut EditorState) -> Stage {
+        state.view.heat = if self.plan.heat { Heat::Distance } else { Heat::Off };
+        state.selection.clear();
+        let person = self.plan.select.and_then(|n| state.document.scene().people.get(n)).map(|p| p.id);
+        if let Some(id) = person {
+            state.selection.only(Item::Person(id));
+            if self.plan.frame_selected {
+                actions::frame_selection(state);
+                state.orbit.arrive();
+            }
+        }
+        state.overlay = match self.plan.overlay.as_deref() {
+            Some("palette") => Overlay::Palette { query: String::new(), row: 0 },
+            Some("shortcuts") => Overlay::Shortcuts,
+            Some("help") => Overlay::Help,
+            Some("import") => Overlay::Import,
+            Some("history") => Overlay::History,
+            _ => Overlay::None,
+        };
+        state.notices.hide_news();
+        Stage::Settling(SETTLE_FRAMES)
+    }
+
+    fn take(&self, ctx: &Context) -> Stage {
+        let (file, result, again) = (self.plan.file.clone(), self.result.clone(), ctx.clone());
+        ctx.request_screenshot(move |picture| {
+            *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(write_png(&file, &picture));
+            again.send_viewport_cmd(ViewportCommand::Close);
+            again.request_repaint();
+        });
+        Stage::Taking
+    }
+}
+
+fn write_png(file: &std::path::Path, picture: &ColorImage) -> Result<(), String> {
+    let [width, height] = picture.size;
+    let (width, height) = (width as u32, height as u32);
+    image::save_buffer(file, picture.as_raw(), width, height, image::ColorType::Rgba8).map_err(|error| {
+        format!("{}: {error}. Check that the folder exists and may be written to.", file.display())
+    })
+}

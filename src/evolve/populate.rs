@@ -1,0 +1,272 @@
+//! People for a room: proposals by search, fitted in parallel, measured, and the best of them chosen.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::choose::{self, Entry, Occupied};
+use crate::body::{Body, Workspace};
+use crate::fit::{BoneSphere, FitConfig, Fitter, Trace, bone_spheres};
+use crate::generate::{Proposal, SearchRequest, search};
+use crate::inspect::{BodyReport, Finding, Limits, Site, inspect_body};
+use crate::job::{Cancelled, JobCtx, Seed, Stop};
+use crate::scene::{BodyParams, Person, PersonId, PoseFamily, Room, RoomGeometry};
+
+/// Proposals fitted for each person asked for, in each round: some fail, and choice makes variety.
+const PROPOSALS_PER_PERSON: usize = 3;
+/// Rounds of proposing and fitting before fewer people than asked for are reported.
+const ROUNDS: u64 = 4;
+/// Clothes palettes that the renderer tells apart.
+const PALETTES: u64 = 1 << 16;
+
+/// Who should be put in.
+#[derive(Clone, Debug)]
+pub struct PopulateRequest {
+    /// How many.
+    pub people: usize,
+    /// Only near this point, as near as can be.
+    pub at: Option<Vec3>,
+    /// Only these families; all when `None`.
+    pub families: Option<Vec<PoseFamily>>,
+    /// Who is there already: nobody is put inside them.
+    pub existing: Vec<Person>,
+    /// Number of the first new person.
+    pub next_id: u32,
+    /// How bodies are fitted.
+    pub fit: FitConfig,
+    /// What is acceptable; candidates beyond it are not taken.
+    pub limits: Limits,
+}
+
+impl Default for PopulateRequest {
+    fn default() -> Self {
+        Self {
+            people: 1,
+            at: None,
+            families: None,
+            existing: Vec::new(),
+            next_id: 0,
+            fit: FitConfig { preview_every: 8, ..FitConfig::default() },
+            limits: Limits { psi_non_collision: 0.985, penetration_max_mm: 20.0, ..Limits::default() },
+        }
+    }
+}
+
+/// The people as they are while the job runs.
+#[derive(Clone, Debug, Default)]
+pub struct PopulatePreview {
+    /// Bodies being fitted.
+    pub people: Vec<Person>,
+}
+
+/// One new person and all that is known about them.
+#[derive(Clone, Debug)]
+pub struct PopulatedPerson {
+    /// The person.
+    pub person: Person,
+    /// What was measured.
+    pub report: BodyReport,
+    /// What is above its limit.
+    pub findings: Vec<Finding>,
+    /// Energies over the fit's iterations.
+    pub trace: Trace,
+    /// Time the fit and the measurement took.
+    pub seconds: f64,
+}
+
+/// The result.
+#[derive(Clone, Debug, Default)]
+pub struct Populated {
+    /// The new people, in the order they were chosen.
+    pub people: Vec<PopulatedPerson>,
+    /// Why there are fewer than asked for, if so.
+    pub shortfall: Option<String>,
+    /// Proposals that were fitted.
+    pub fitted: usize,
+    /// Time spent on proposals.
+    pub generate_seconds: f64,
+    /// Time spent on fitting, measuring and choosing.
+    pub fit_seconds: f64,
+}
+
+/// A fitted proposal on its way to being chosen.
+struct Candidate {
+    proposal: Proposal,
+    params: BodyParams,
+    report: BodyReport,
+    trace: Trace,
+    seconds: f64,
+}
+
+/// Puts people into a room. The same seed gives the same people, whatever the number of threads.
+///
+/// # Errors
+/// [`Stop::Cancelled`] when the user cancelled. Fewer people than asked for are not an error but a
+/// [`Populated::shortfall`].
+pub fn populate(
+    room: &Room,
+    geometry: &RoomGeometry,
+    request: &PopulateRequest,
+    cx: &JobCtx<PopulatePreview>,
+) -> Result<Populated, Stop> {
+    let body = Body::bundled();
+    let bones = bone_spheres();
+    let mut chosen: Vec<Entry> =
+        request.existing.iter().map(|p| entry_of_existing(body, &bones, p)).collect();
+    let mut result = Populated::default();
+    for round in 0..ROUNDS {
+        let missing = request.people - result.people.len();
+        if missing == 0 {
+            break;
+        }
+        let seed = cx.seed.child("round", round);
+        let started = Instant::now();
+        let proposals = propose(room, geometry, request, missing, seed, cx)?;
+        result.generate_seconds += started.elapsed().as_secs_f64();
+        let started = Instant::now();
+        let candidates = fit_all(geometry, request, proposals, cx)?;
+        result.fitted += candidates.len();
+        take_best(body, &bones, candidates, request, &mut chosen, &mut result);
+        result.fit_seconds += started.elapsed().as_secs_f64();
+    }
+    let found = result.people.len();
+    if found < request.people {
+        result.shortfall = Some(format!(
+            "{found} of {} people: of {} fitted proposals no other was held by something, free of penetration and \
+             clear of the others. Give the room more free floor or seats, allow more pose families, or try \
+             another seed",
+            request.people, result.fitted
+        ));
+    }
+    Ok(result)
+}
+
+fn propose(
+    room: &Room,
+    geometry: &RoomGeometry,
+    request: &PopulateRequest,
+    missing: usize,
+    seed: Seed,
+    cx: &JobCtx<PopulatePreview>,
+) -> Result<Vec<Proposal>, Cancelled> {
+    let wanted = SearchRequest {
+        proposals: PROPOSALS_PER_PERSON * missing + 4,
+        at: request.at,
+        families: request.families.clone(),
+    };
+    search(room, geometry, Body::bundled(), &wanted, seed, cx.ticker())
+}
+
+fn entry_of_existing(body: &Body, bones: &[BoneSphere], person: &Person) -> Entry {
+    let mut workspace = Workspace::default();
+    body.forward_joints(&person.body, &mut workspace);
+    let occupied = Occupied::new(bones, workspace.joints());
+    Entry { family: person.family, support: None, occupied, cost: 0.0 }
+}
+
+/// Fits and measures every proposal on all threads; results keep the proposals' order.
+fn fit_all(
+    geometry: &RoomGeometry,
+    request: &PopulateRequest,
+    proposals: Vec<Proposal>,
+    cx: &JobCtx<PopulatePreview>,
+) -> Result<Vec<Candidate>, Cancelled> {
+    cx.stage("fitting people", proposals.len())?;
+    let fitter = Fitter::new(Body::bundled());
+    let shown: Mutex<BTreeMap<usize, Person>> = Mutex::default();
+    let fit_one = |(index, proposal): (usize, Proposal)| {
+        let started = Instant::now();
+        let mut show = |params: &BodyParams| {
+            let mut shown = shown.lock().unwrap_or_else(PoisonError::into_inner);
+            shown.insert(index, person(&proposal, params.clone(), request.next_id + index as u32));
+            if shown.len() > request.people {
+                shown.pop_first();
+            }
+            cx.preview(PopulatePreview { people: shown.values().cloned().collect() });
+        };
+        let fitted = fitter.fit(
+            &geometry.field,
+            &proposal.params,
+            proposal.family,
+            &request.fit,
+            cx.ticker(),
+            &mut show,
+        )?;
+        let report = inspect_body(geometry, Body::bundled(), &fitted.params);
+        cx.advance()?;
+        let seconds = started.elapsed().as_secs_f64();
+        Ok(Candidate { proposal, params: fitted.params, report, trace: fitted.trace, seconds })
+    };
+    proposals.into_par_iter().enumerate().map(fit_one).collect()
+}
+
+/// Moves the best candidates that fit together into the result, until enough are there or none is left.
+fn take_best(
+    body: &Body,
+    bones: &[BoneSphere],
+    candidates: Vec<Candidate>,
+    request: &PopulateRequest,
+    chosen: &mut Vec<Entry>,
+    result: &mut Populated,
+) {
+    let mut entries: Vec<Option<Entry>> =
+        candidates.iter().map(|c| acceptable_entry(body, bones, c, &request.limits)).collect();
+    let mut candidates: Vec<Option<Candidate>> = candidates.into_iter().map(Some).collect();
+    while result.people.len() < request.people {
+        let Some(index) = choose::best(&entries, chosen) else { break };
+        let (Some(entry), Some(candidate)) = (entries[index].take(), candidates[index].take()) else { break };
+        chosen.push(entry);
+        let id = request.next_id + result.people.len() as u32;
+        let site = Site { body: id, frame: None };
+        result.people.push(PopulatedPerson {
+            person: person(&candidate.proposal, candidate.params, id),
+            findings: Limits::default().findings(site, &candidate.report.metrics),
+            report: candidate.report,
+            trace: candidate.trace,
+            seconds: candidate.seconds,
+        });
+    }
+}
+
+/// The candidate as an entry of the choice, or `None` when it is beyond the limits.
+fn acceptable_entry(
+    body: &Body,
+    bones: &[BoneSphere],
+    candidate: &Candidate,
+    limits: &Limits,
+) -> Option<Entry> {
+    let metrics = &candidate.report.metrics;
+    let site = Site { body: 0, frame: None };
+    if !limits.findings(site, metrics).is_empty() {
+        return None;
+    }
+    let mut workspace = Workspace::default();
+    body.forward_joints(&candidate.params, &mut workspace);
+    let cost = candidate.proposal.cost
+        + 40.0 * (1.0 - metrics.psi_non_collision)
+        + metrics.penetration_max_mm / 25.0
+        + metrics.joint_limit_deg / 20.0;
+    Some(Entry {
+        family: candidate.proposal.family,
+        support: candidate.proposal.support,
+        occupied: Occupied::new(bones, workspace.joints()),
+        cost,
+    })
+}
+
+fn person(proposal: &Proposal, body: BodyParams, id: u32) -> Person {
+    Person {
+        id: PersonId(id),
+        name: format!("Person {}", id + 1),
+        body,
+        family: proposal.family,
+        on: proposal.on.clone(),
+        seed: proposal.seed.value(),
+        palette: (proposal.seed.child("palette", 0).value() % PALETTES) as u32,
+        visible: true,
+        locked: false,
+    }
+}

@@ -1,0 +1,149 @@
+//! Where a body is asked how it stands to the room: a sample of its skin with all contact regions, and
+//! spheres along its bones.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::{IVec3, Vec3};
+
+use crate::body::joints as j;
+use crate::body::{Body, Region, VertexSubset};
+
+/// One vertex is taken of each cube of skin of this size: about 2,000 of an adult.
+const SKIN_SAMPLE_M: f32 = 0.03;
+
+/// A sphere along a bone, thinner than the flesh there: the joints it lies between, the share of the way,
+/// and its radius.
+#[derive(Clone, Copy, Debug)]
+pub struct BoneSphere {
+    /// The upper joint.
+    pub from: usize,
+    /// The lower joint.
+    pub to: usize,
+    /// 0 at `from`, 1 at `to`.
+    pub along: f32,
+    /// Radius in metres.
+    pub radius_m: f32,
+    /// Which limb it belongs to, for self-collision.
+    pub limb: Limb,
+}
+
+impl BoneSphere {
+    /// Centre for the given joints.
+    pub fn center(&self, joints: &[Vec3; j::JOINTS]) -> Vec3 {
+        joints[self.from].lerp(joints[self.to], self.along)
+    }
+}
+
+/// Groups of bones that may run into each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limb {
+    /// Pelvis to neck.
+    Torso,
+    /// Head.
+    Head,
+    /// Left thigh, shin and foot.
+    LeftLeg,
+    /// Right thigh, shin and foot.
+    RightLeg,
+    /// Left forearm and hand; the upper arm may always touch the torso.
+    LeftArm,
+    /// Right forearm and hand.
+    RightArm,
+    /// Upper arms: tested against the room only.
+    UpperArm,
+}
+
+impl Limb {
+    /// Whether the two can run into each other (and are not joined).
+    fn meets(self, other: Self) -> bool {
+        use Limb::{Head, LeftArm, LeftLeg, RightArm, RightLeg, Torso};
+        matches!(
+            (self, other),
+            (LeftArm, Torso | Head | LeftLeg | RightLeg | RightArm)
+                | (RightArm, Torso | Head | LeftLeg | RightLeg)
+                | (LeftLeg, RightLeg)
+        )
+    }
+}
+
+/// Bones as (from, to, spheres, radius in metres, limb). Radii are about four fifths of an adult's flesh.
+const BONES: &[(usize, usize, u32, f32, Limb)] = &[
+    (j::PELVIS, j::SPINE2, 3, 0.085, Limb::Torso),
+    (j::SPINE2, j::SPINE3, 2, 0.09, Limb::Torso),
+    (j::SPINE3, j::NECK, 3, 0.075, Limb::Torso),
+    (j::NECK, j::HEAD, 2, 0.05, Limb::Head),
+    (j::LEFT_HIP, j::LEFT_KNEE, 5, 0.055, Limb::LeftLeg),
+    (j::RIGHT_HIP, j::RIGHT_KNEE, 5, 0.055, Limb::RightLeg),
+    (j::LEFT_KNEE, j::LEFT_ANKLE, 5, 0.038, Limb::LeftLeg),
+    (j::RIGHT_KNEE, j::RIGHT_ANKLE, 5, 0.038, Limb::RightLeg),
+    (j::LEFT_ANKLE, j::LEFT_FOOT, 2, 0.02, Limb::LeftLeg),
+    (j::RIGHT_ANKLE, j::RIGHT_FOOT, 2, 0.02, Limb::RightLeg),
+    (j::LEFT_SHOULDER, j::LEFT_ELBOW, 4, 0.035, Limb::UpperArm),
+    (j::RIGHT_SHOULDER, j::RIGHT_ELBOW, 4, 0.035, Limb::UpperArm),
+    (j::LEFT_ELBOW, j::LEFT_WRIST, 4, 0.027, Limb::LeftArm),
+    (j::RIGHT_ELBOW, j::RIGHT_WRIST, 4, 0.027, Limb::RightArm),
+    (j::LEFT_WRIST, j::LEFT_MIDDLE1, 2, 0.015, Limb::LeftArm),
+    (j::RIGHT_WRIST, j::RIGHT_MIDDLE1, 2, 0.015, Limb::RightArm),
+];
+
+/// All that the energies ask of a body, found once per body model.
+pub struct Probe {
+    /// The skin sample.
+    pub subset: VertexSubset,
+    /// Entries of the subset in each region.
+    pub regions: BTreeMap<Region, Vec<u32>>,
+    /// Spheres along the bones.
+    pub bones: Vec<BoneSphere>,
+    /// Pairs of `bones` that must not run into each other.
+    pub pairs: Vec<(u16, u16)>,
+}
+
+impl Probe {
+    /// The probe of a body.
+    pub fn new(body: &Body) -> Self {
+        let mut chosen: BTreeSet<u32> = skin_sample(&body.model.template).into_iter().collect();
+        for region in Region::ALL {
+            chosen.extend(body.regions.sample(region));
+        }
+        let ids: Vec<u32> = chosen.into_iter().collect();
+        let entry = |vertex: &u32| ids.binary_search(vertex).ok().map(|i| i as u32);
+        let regions = Region::ALL
+            .into_iter()
+            .map(|r| (r, body.regions.sample(r).iter().filter_map(entry).collect()))
+            .collect();
+        let bones = bone_spheres();
+        let pairs = meeting_pairs(&bones);
+        Self { subset: VertexSubset::new(&body.model, ids), regions, bones, pairs }
+    }
+}
+
+/// The first vertex in each occupied cube.
+fn skin_sample(template: &[Vec3]) -> Vec<u32> {
+    let mut cubes: BTreeMap<[i32; 3], u32> = BTreeMap::new();
+    for (i, p) in template.iter().enumerate() {
+        let cube: IVec3 = (*p / SKIN_SAMPLE_M).floor().as_ivec3();
+        cubes.entry(cube.to_array()).or_insert(i as u32);
+    }
+    cubes.into_values().collect()
+}
+
+/// Every sphere along every bone.
+pub fn bone_spheres() -> Vec<BoneSphere> {
+    let spheres = BONES.iter().flat_map(|&(from, to, count, radius_m, limb)| {
+        (0..count).map(move |i| {
+            let along = (i as f32 + 0.5) / count as f32;
+            BoneSphere { from, to, along, radius_m, limb }
+        })
+    });
+    // The middle of the head lies above its joint, so it is no lerp of two joints within 0..1.
+    let skull = BoneSphere { from: j::NECK, to: j::HEAD, along: 1.9, radius_m: 0.075, limb: Limb::Head };
+    spheres.chain([skull]).collect()
+}
+
+fn meeting_pairs(bones: &[BoneSphere]) -> Vec<(u16, u16)> {
+    let all = 0..bones.len() as u16;
+    all.clone()
+        .flat_map(|a| all.clone().map(move |b| (a, b)))
+        .filter(|(a, b)| bones[usize::from(*a)].limb.meets(bones[usize::from(*b)].limb))
+        .collect()
+}

@@ -1,0 +1,86 @@
+//! The room's shell: walls, floor and ceiling, and what hangs on them; how it is told whether it stands
+//! between an outside camera and the inside. Draws nothing.
+
+use glam::Vec3;
+
+use crate::math::Aabb;
+use crate::scene::{Category, Object};
+
+/// An unnamed scan's triangle belongs to the shell when it lies this close to the room's box, in metres.
+const SHELL_DEPTH_M: f32 = 0.35;
+
+/// What part of a room stands between an outside camera and the inside, and how it is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shell {
+    bounds: Aabb,
+    kind: ShellKind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum ShellKind {
+    /// Walls, floor, ceiling: every triangle.
+    Structure,
+    /// One mesh for the whole room: triangles close to its box.
+    Scan,
+}
+
+impl Shell {
+    /// The shell that `object` is part of in a room of these bounds; `None` for furniture.
+    pub fn of(object: &Object, bounds: &Aabb) -> Option<Self> {
+        use Category::{Beam, Ceiling, Floor, Misc, Objects, Unlabeled, Wall};
+        let kind = match object.category {
+            Wall | Ceiling | Floor | Beam => ShellKind::Structure,
+            Unlabeled | Misc | Objects if fills(&object.world_bounds(), bounds) => ShellKind::Scan,
+            _ => return None,
+        };
+        Some(Self { bounds: *bounds, kind })
+    }
+
+    /// Unit normal of a world triangle towards the inside; zero for what is never left out.
+    pub fn inward(&self, [a, b, c]: [Vec3; 3]) -> Vec3 {
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let middle = (a + b + c) / 3.0;
+        let to_center = self.bounds.center() - middle;
+        let inward = if normal.dot(to_center) < 0.0 { -normal } else { normal };
+        match self.kind {
+            ShellKind::Structure => inward,
+            ShellKind::Scan if self.is_at_the_box(middle, inward) => inward,
+            ShellKind::Scan => Vec3::ZERO,
+        }
+    }
+
+    fn is_at_the_box(&self, at: Vec3, inward: Vec3) -> bool {
+        (0..3).any(|axis| {
+            let near_min = at[axis] - self.bounds.min[axis] < SHELL_DEPTH_M && inward[axis] > 0.5;
+            let near_max = self.bounds.max[axis] - at[axis] < SHELL_DEPTH_M && inward[axis] < -0.5;
+            near_min || near_max
+        })
+    }
+}
+
+/// Whether a box takes up most of the room's in every direction.
+fn fills(object: &Aabb, room: &Aabb) -> bool {
+    (object.size() / room.size().max(Vec3::splat(1e-3))).min_element() > 0.7
+}
+
+/// Doors, windows, pictures and curtains hang on walls and vanish with them: the direction into the room,
+/// by the thin side of the object's box.
+pub fn hung_inward(object: &Object, bounds: &Aabb) -> Option<(Vec3, Vec3)> {
+    use Category::{Blinds, BoardPanel, Curtain, Door, Mirror, Picture, TvMonitor, Window};
+    if !matches!(
+        object.category,
+        Door | Window | Picture | Curtain | Blinds | BoardPanel | Mirror | TvMonitor
+    ) {
+        return None;
+    }
+    let own = object.world_bounds();
+    let (size, middle) = (own.size(), own.center());
+    let axis = if size.x < size.z { 0 } else { 2 };
+    let wall = (middle[axis] - bounds.min[axis]).min(bounds.max[axis] - middle[axis]);
+    if own.is_empty() || wall > SHELL_DEPTH_M {
+        return None;
+    }
+    let mut inward = Vec3::ZERO;
+    inward[axis] = if bounds.center()[axis] > middle[axis] { 1.0 } else { -1.0 };
+    Some((middle, inward))
+}
