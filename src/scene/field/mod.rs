@@ -5,10 +5,10 @@
 
 mod bake;
 mod distance;
-pub(super) mod grid;
-pub(super) mod lines;
 mod fronts;
+pub(super) mod grid;
 pub(super) mod indoors;
+pub(super) mod lines;
 mod sign;
 mod standing;
 mod sweep;

@@ -81,7 +81,8 @@ fn closed_steps(room: &Surroundings) -> Vec<u8> {
     let grid = room.grid;
     let mut marks = vec![0_u8; grid.len()];
     let spans = [0, 1, 2].map(|a| grid.span(a, room.enclosure.min[a], room.enclosure.max[a]));
-    let within = |axis: usize, at: usize| spans[axis].is_some_and(|(first, last)| (first..=last).contains(&at));
+    let within =
+        |axis: usize, at: usize| spans[axis].is_some_and(|(first, last)| (first..=last).contains(&at));
     let [nx, ny, nz] = grid.dim;
     marks.par_chunks_mut(nz).enumerate().for_each(|(row, marks)| {
         let (x, y) = (row / ny, row % ny);

@@ -148,8 +148,8 @@ fn floored_share(blocks: &Blocks, region: &[usize], heights: &Lines) -> f32 {
     let columns = lowest.iter().enumerate().filter(|&(_, &y)| y != usize::MAX);
     let (mut all, mut floored) = (0_usize, 0_usize);
     for (column, y) in columns {
-        let line = heights
-            .line(column / blocks.dim[2] * blocks.size[0], column % blocks.dim[2] * blocks.size[2]);
+        let line =
+            heights.line(column / blocks.dim[2] * blocks.size[0], column % blocks.dim[2] * blocks.size[2]);
         all += 1;
         floored += usize::from(line.first().is_some_and(|c| c.before() < (y * blocks.size[1]) as isize));
     }

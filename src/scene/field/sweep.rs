@@ -132,41 +132,48 @@ struct Sweep<'a> {
 
 impl Sweep<'_> {
     /// Both ways along y and z in every plane.
-    fn within_planes(&self, nearest: &mut Nearest, gradient: &mut [Direction], step: Step) -> Result<(), Stopped> {
+    fn within_planes(
+        &self,
+        nearest: &mut Nearest,
+        gradient: &mut [Direction],
+        step: Step,
+    ) -> Result<(), Stopped> {
         let [nx, ny, nz] = self.grid.dim;
         let plane = ny * nz;
         let distances = nearest.distance_m.par_chunks_mut(plane);
         let triangles = nearest.triangle.par_chunks_mut(plane);
         let gradients = gradient.par_chunks_mut(plane);
-        distances.zip(triangles).zip(gradients).enumerate().try_for_each(|(x, ((distance_m, triangle), gradient))| {
-            report(step, x, nx)?;
-            for (ahead, column) in [(1, 2), (2, 1)] {
-                let (slices, columns) = (self.grid.dim[ahead], self.grid.dim[column]);
-                let strides = self.grid.strides();
-                for reverse in [false, true] {
-                    let way = Way { ahead, column, row: 0, reverse };
-                    let (mut front, mut next) = (Row::new(columns), Row::new(columns));
-                    for turn in 0..slices {
-                        let slice = if reverse { slices - 1 - turn } else { turn };
-                        let offset = slice * strides[ahead];
-                        let mut place = [x, 0, 0];
-                        place[ahead] = slice;
-                        let samples = Samples {
-                            distance_m: &mut distance_m[offset..],
-                            triangle: &mut triangle[offset..],
-                            gradient: &mut gradient[offset..],
-                            stride: strides[column],
-                            len: columns,
-                            place,
-                            index: x * plane + offset,
-                        };
-                        self.row(way, samples, [None, Some(&front), None], &mut next);
-                        std::mem::swap(&mut front, &mut next);
+        distances.zip(triangles).zip(gradients).enumerate().try_for_each(
+            |(x, ((distance_m, triangle), gradient))| {
+                report(step, x, nx)?;
+                for (ahead, column) in [(1, 2), (2, 1)] {
+                    let (slices, columns) = (self.grid.dim[ahead], self.grid.dim[column]);
+                    let strides = self.grid.strides();
+                    for reverse in [false, true] {
+                        let way = Way { ahead, column, row: 0, reverse };
+                        let (mut front, mut next) = (Row::new(columns), Row::new(columns));
+                        for turn in 0..slices {
+                            let slice = if reverse { slices - 1 - turn } else { turn };
+                            let offset = slice * strides[ahead];
+                            let mut place = [x, 0, 0];
+                            place[ahead] = slice;
+                            let samples = Samples {
+                                distance_m: &mut distance_m[offset..],
+                                triangle: &mut triangle[offset..],
+                                gradient: &mut gradient[offset..],
+                                stride: strides[column],
+                                len: columns,
+                                place,
+                                index: x * plane + offset,
+                            };
+                            self.row(way, samples, [None, Some(&front), None], &mut next);
+                            std::mem::swap(&mut front, &mut next);
+                        }
                     }
                 }
-            }
-            Ok(())
-        })
+                Ok(())
+            },
+        )
     }
 
     /// One way along x, plane by plane.
@@ -192,8 +199,15 @@ impl Sweep<'_> {
             rows.zip(next.par_iter_mut()).enumerate().with_min_len(ROWS_PER_TASK).for_each(
                 |(y, (((distance_m, triangle), gradient), next))| {
                     let index = x * plane + y * nz;
-                    let samples =
-                        Samples { distance_m, triangle, gradient, stride: 1, len: nz, place: [x, y, 0], index };
+                    let samples = Samples {
+                        distance_m,
+                        triangle,
+                        gradient,
+                        stride: 1,
+                        len: nz,
+                        place: [x, y, 0],
+                        index,
+                    };
                     let before = y.checked_sub(1).and_then(|y| front.get(y));
                     self.row(way, samples, [before, front.get(y), front.get(y + 1)], next);
                 },
@@ -211,7 +225,8 @@ impl Sweep<'_> {
             for lane in 0..lanes {
                 let distance_m = samples.distance_m[(first + lane) * samples.stride];
                 // What is exact can't be improved.
-                limit[lane] = if distance_m <= self.exact_m { f32::NEG_INFINITY } else { distance_m - WORTH_M };
+                limit[lane] =
+                    if distance_m <= self.exact_m { f32::NEG_INFINITY } else { distance_m - WORTH_M };
             }
             for (row, side) in front.into_iter().zip([-1.0_f32, 0.0, 1.0]) {
                 let Some(row) = row else { continue };
