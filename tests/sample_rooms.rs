@@ -7,6 +7,7 @@ use glam::{Affine3A, Vec3};
 use inhabit::assets::{Budget, Model, glb_from_model, read_model, read_model_bytes, sample_rooms};
 use inhabit::math::Aabb;
 use inhabit::scene::layout::{Layout, LayoutError, compose};
+use inhabit::scene::{ImportOptions, model_from_room, room_from_model};
 
 /// Deeper than this, two things run into each other.
 const PENETRATION_LIMIT_M: f32 = 0.005;
@@ -130,6 +131,25 @@ fn a_room_reads_back_to_the_same_triangles_in_the_same_objects() {
         for (w, r) in written.iter().zip(&read) {
             assert_eq!((&w.name, &w.category, w.triangles.len()), (&r.name, &r.category, r.triangles.len()));
             assert!(w.triangles == r.triangles, "{} of {} moved", w.name, room.key);
+        }
+    }
+}
+
+#[test]
+fn a_room_that_is_exported_opens_again_with_the_same_objects_in_the_same_place() {
+    for sample in sample_rooms() {
+        let open = |glb: &[u8]| {
+            let model = read_model_bytes(sample.key, glb, &Budget::default()).expect("reads");
+            room_from_model(&model, &ImportOptions::default()).room
+        };
+        let room = open(sample.glb);
+        let again = open(&glb_from_model(&model_from_room(&room)).expect("writes"));
+        assert_eq!(room.objects.len(), again.objects.len(), "{}", sample.key);
+        for (a, b) in room.objects.iter().zip(&again.objects) {
+            assert_eq!((&a.name, a.category), (&b.name, b.category), "{}", sample.key);
+            let apart = a.world_triangles().flatten().zip(b.world_triangles().flatten());
+            let worst = apart.map(|(p, q)| p.distance(q)).fold(0.0, f32::max);
+            assert!(a.triangle_count() == b.triangle_count() && worst < 2e-6, "{}: {worst} m", a.name);
         }
     }
 }

@@ -39,7 +39,7 @@ fn ask(
         Seed::root(0),
         move || ctx.request_repaint(),
         move |_| {
-            if std::env::var_os("DBUS_SESSION_BUS_ADDRESS").is_none() {
+            if cfg!(target_os = "linux") && std::env::var_os("DBUS_SESSION_BUS_ADDRESS").is_none() {
                 return Err(Stop::Failed("this desktop has no file dialog".to_owned()));
             }
             Ok(dialog())

@@ -6,15 +6,18 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-pub use super::stand_in::{BodyMetrics, BodyReport, Finding, Limits, Site};
+use crate::document::Project;
+use crate::evolve::PopulatePreview;
+use crate::inspect::BodyReport;
 use crate::job::{JobCtx, Stop, Ticker};
 use crate::render::BodySurface;
 use crate::scene::BodyParams;
 use crate::scene::Person;
 use crate::scene::PoseFamily;
 use crate::scene::Room;
-pub use crate::scene::RoomGeometry;
+use crate::scene::RoomGeometry;
 use crate::scene::Scene;
+use crate::scene::UpAxis;
 
 /// What a user says about a file's unit and up axis; `None` is left to detection.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,15 +26,6 @@ pub struct ImportChoice {
     pub unit_m: Option<f32>,
     /// The file's up axis.
     pub up: Option<UpAxis>,
-}
-
-/// Which axis of a file points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum UpAxis {
-    /// +Y: glTF, Maya, Unity.
-    Y,
-    /// +Z: Blender, scans, CAD.
-    Z,
 }
 
 /// Where a room comes from.
@@ -134,7 +128,7 @@ pub trait Engine: Send + Sync + 'static {
     ///
     /// # Errors
     /// What, which file, what to do; or cancelled.
-    fn save(&self, path: &Path, snapshot: &Snapshot, ticker: &Ticker) -> Result<(), Stop>;
+    fn save(&self, path: &Path, project: &Project, ticker: &Ticker) -> Result<(), Stop>;
     /// Ray tree, distance field, support surfaces and floor of a room.
     ///
     /// # Errors
@@ -144,7 +138,7 @@ pub trait Engine: Send + Sync + 'static {
     ///
     /// # Errors
     /// Why nobody could be made; or cancelled.
-    fn populate(&self, task: &PopulateTask, cx: &JobCtx<Vec<Person>>) -> Result<Made, Stop>;
+    fn populate(&self, task: &PopulateTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop>;
     /// Measures one body.
     ///
     /// # Errors
@@ -161,15 +155,4 @@ pub trait Engine: Send + Sync + 'static {
     fn faces(&self) -> Arc<[[u32; 3]]>;
     /// The surface for the renderer.
     fn surface(&self) -> Arc<BodySurface>;
-}
-
-/// What a saved project holds; owned, so that saving goes on beside the window.
-#[derive(Clone, Debug)]
-pub struct Snapshot {
-    /// Room and people.
-    pub scene: Scene,
-    /// First free person id.
-    pub next_person: u32,
-    /// First free object id.
-    pub next_object: u32,
 }

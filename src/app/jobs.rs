@@ -6,15 +6,19 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::actions;
-use super::engine::{BodyReport, Made, Opened, PopulateTask, RoomGeometry, Snapshot, Source};
+use super::engine::{Made, Opened, PopulateTask, Source};
 use super::selection::Item;
 use super::state::{EditorState, Leaving, Overlay};
 use crate::document::Command;
 use crate::document::Document;
+use crate::document::Project;
 use crate::document::RoomVersion;
+use crate::evolve::PopulatePreview;
+use crate::inspect::BodyReport;
 use crate::job::{Job, Outcome, Progress, Seed};
 use crate::scene::Person;
 use crate::scene::PersonId;
+use crate::scene::RoomGeometry;
 
 /// Which job a row of the job list stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +56,7 @@ enum Wanted {
 }
 
 struct Populating {
-    job: Job<Made, Vec<Person>>,
+    job: Job<Made, PopulatePreview>,
     version: RoomVersion,
     replacing: Vec<PersonId>,
 }
@@ -158,13 +162,13 @@ impl EditorState {
     /// Starts to write the project.
     pub fn start_saving(&mut self, path: PathBuf) {
         self.document.commit();
-        let snapshot = Snapshot {
+        let project = Project {
             scene: self.document.scene().clone(),
             next_person: self.document.next_person(),
             next_object: self.document.next_object(),
         };
         let (engine, target) = (self.engine.clone(), path.clone());
-        let work = move |cx: &crate::job::JobCtx| engine.save(&target, &snapshot, cx.ticker());
+        let work = move |cx: &crate::job::JobCtx| engine.save(&target, &project, cx.ticker());
         let name = format!("Save {}", file_name(&path));
         let job = Job::spawn(name, Seed::root(0), self.waker(), work);
         self.jobs.save = Some((path, self.document.revision(), job));
@@ -213,7 +217,7 @@ impl EditorState {
             Wanted::Again(ids) => (self.tasks_again(&geometry, &ids), ids, "Re-roll".to_owned()),
         };
         let engine = self.engine.clone();
-        let work = move |cx: &crate::job::JobCtx<Vec<Person>>| {
+        let work = move |cx: &crate::job::JobCtx<PopulatePreview>| {
             let mut all = Made::default();
             for mut task in tasks {
                 task.existing.extend(all.people.iter().cloned());
@@ -395,8 +399,8 @@ impl EditorState {
 
     fn poll_populate(&mut self) {
         let Some(populating) = &mut self.jobs.populate else { return };
-        if let Some(people) = populating.job.take_preview() {
-            self.ghosts = people;
+        if let Some(preview) = populating.job.take_preview() {
+            self.ghosts = preview.people;
         }
         let Some(outcome) = populating.job.poll() else { return };
         let (version, name) = (populating.version, populating.job.name().to_owned());

@@ -19,8 +19,9 @@ mod pick;
 mod real;
 mod screenshot;
 mod selection;
-mod stand_in;
 mod state;
+#[cfg(test)]
+mod tests;
 mod theme;
 mod viewport;
 mod window;
@@ -32,14 +33,14 @@ pub use orbit::{AxisView, Orbit};
 pub use screenshot::ScreenshotPlan;
 pub use state::EditorState;
 
-use engine::{ImportChoice, Source};
+use crate::document::Settings;
 use real::RealEngine;
 use window::Window;
 
 /// How the window starts.
 #[derive(Clone, Debug, Default)]
 pub struct AppOptions {
-    /// A room or project to open; the first sample room when `None`.
+    /// A room, a project or `sample:KEY` to open; the first sample room when `None`.
     pub project_or_room: Option<PathBuf>,
     /// Take a picture of the window and close.
     pub screenshot: Option<ScreenshotPlan>,
@@ -68,12 +69,12 @@ pub fn run(options: AppOptions) -> anyhow::Result<()> {
         renderer: eframe::Renderer::Wgpu,
         ..eframe::NativeOptions::default()
     };
-    let source = match options.project_or_room {
-        Some(path) => Source::File(path, ImportChoice::default()),
-        None => Source::Sample(0),
-    };
+    let source = real::source_named(options.project_or_room);
     let create: eframe::AppCreator<'_> = Box::new(move |cc| {
         let mut window = Window::new(cc, Arc::new(RealEngine)).with_script(script);
+        if !photographs {
+            window.remember(Settings::default_path());
+        }
         window.state.open(source);
         Ok(Box::new(window))
     });

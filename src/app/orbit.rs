@@ -14,7 +14,9 @@ const DISTANCE_M: (f32, f32) = (0.08, 150.0);
 /// Share of the distance that one notch of the wheel keeps.
 const NOTCH: f32 = 0.88;
 /// Room left around what is framed.
-const FRAME_MARGIN: f32 = 1.25;
+const FRAME_MARGIN: f32 = 1.06;
+/// Half the size in metres that the smallest thing is framed as.
+const MIN_HALF_M: f32 = 0.12;
 /// A glide covers all but a thousandth of its way in about a fifth of a second.
 const GLIDE_PER_SECOND: f32 = 30.0;
 
@@ -151,10 +153,19 @@ impl Orbit {
         if bounds.is_empty() {
             return;
         }
-        let radius = (bounds.size().length() * 0.5).max(0.2);
-        let half_y = self.fov_y * 0.5;
-        let half = half_y.min((half_y.tan() * aspect.max(0.1)).atan());
-        let distance_m = (radius * FRAME_MARGIN / half.sin()).clamp(DISTANCE_M.0, DISTANCE_M.1);
+        let (right, up) = self.camera().right_up();
+        let (half_x, half_y) = ((self.fov_y * 0.5).tan() * aspect.max(0.1), (self.fov_y * 0.5).tan());
+        let half_size = (bounds.size() * 0.5).max(Vec3::splat(MIN_HALF_M));
+        // A corner is in the picture when the eye is at least so far from the middle.
+        let needed_m = |corner: Vec3| {
+            let nearer_m = corner.dot(self.backward());
+            (corner.dot(right).abs() / half_x).max(corner.dot(up).abs() / half_y) + nearer_m
+        };
+        let signs = [-1.0, 1.0];
+        let corners = signs.iter().flat_map(|x| signs.iter().map(move |y| (*x, *y)));
+        let corners = corners.flat_map(|(x, y)| signs.iter().map(move |z| half_size * Vec3::new(x, y, *z)));
+        let distance_m = corners.map(needed_m).fold(0.0, f32::max) * FRAME_MARGIN;
+        let distance_m = distance_m.clamp(DISTANCE_M.0, DISTANCE_M.1);
         self.goal = Some(Goal { target: bounds.center(), yaw: self.yaw, pitch: self.pitch, distance_m });
     }
 

@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::engine::RoomGeometry;
 use super::selection::Item;
 use super::state::EditorState;
 use crate::math::Aabb;
@@ -10,6 +9,7 @@ use crate::scene::Camera;
 use crate::scene::Category;
 use crate::scene::ObjectId;
 use crate::scene::Room;
+use crate::scene::RoomGeometry;
 
 /// Step past a hit that is looked through, in metres.
 const PAST_M: f32 = 1e-3;

@@ -1,24 +1,40 @@
 //! The work behind the window as it really is: files, geometry, generation and measurement.
 
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::Vec3;
 
 use super::engine::{
-    BodyReport, Engine, ImportSummary, Made, Opened, PopulateTask, RoomGeometry, Snapshot, Source, UpAxis,
+    Energies, Engine, ImportChoice, ImportSummary, Made, Opened, OpenedProject, PopulateTask, Source,
 };
+use super::jobs::is_project_file;
 use crate::assets::Budget;
+use crate::assets::Model;
 use crate::assets::read_model;
+use crate::assets::read_model_bytes;
+use crate::assets::sample_rooms;
 use crate::body::Body;
+use crate::document::Project;
+use crate::document::load_project;
+use crate::document::save_project;
+use crate::evolve;
+use crate::evolve::PopulatePreview;
+use crate::evolve::PopulateRequest;
+use crate::evolve::PopulatedPerson;
+use crate::fit::TERMS;
+use crate::inspect::BodyReport;
+use crate::inspect::inspect_body;
 use crate::job::{JobCtx, Stop, Ticker};
 use crate::render::BodySurface;
 use crate::scene::BodyParams;
 use crate::scene::GeometryConfig;
-use crate::scene::Person;
+use crate::scene::ImportOptions;
 use crate::scene::Room;
+use crate::scene::RoomGeometry;
 use crate::scene::Scene;
+use crate::scene::room_from_model;
 
 /// The program's own engine.
 #[derive(Default)]
@@ -26,56 +42,29 @@ pub struct RealEngine;
 
 impl Engine for RealEngine {
     fn samples(&self) -> Vec<String> {
-        Vec::new()
+        sample_rooms().iter().map(|sample| sample.title.to_owned()).collect()
     }
 
     fn open(&self, source: &Source, ticker: &Ticker) -> Result<Opened, Stop> {
         ticker.stage("reading", 0)?;
-        let Source::File(path, _) = source else { return Err(Stop::Failed("no samples yet".into())) };
-        let model = read_model(path, &Budget::default())?;
-        let objects = model
-            .parts
-            .iter()
-            .enumerate()
-            .map(|(i, p)| crate::scene::Object {
-                id: crate::scene::ObjectId(i as u32),
-                name: p.name.clone(),
-                category: crate::scene::Category::Unlabeled,
-                parts: vec![crate::scene::ObjectPart {
-                    mesh: p.mesh.clone(),
-                    material: p.material,
-                    object_from_mesh: p.file_from_mesh,
-                }],
-                world_from_object: glam::Affine3A::IDENTITY,
-                visible: true,
-                locked: false,
-            })
-            .collect();
-        let room = Room {
-            name: model.name.clone(),
-            objects,
-            materials: model.materials.clone(),
-            textures: model.textures.clone(),
-        };
-        let summary = ImportSummary {
-            source: source.clone(),
-            name: model.name.clone(),
-            unit_m: 1.0,
-            up: UpAxis::Y,
-            triangles: room.triangle_count(),
-            objects: room.objects.len(),
-            extent_m: room.bounds().size(),
-            notes: model.notes.clone(),
-        };
-        Ok(Opened { scene: Scene { room: Arc::new(room), people: vec![] }, summary, project: None })
+        match source {
+            Source::File(path, _) if is_project_file(path) => open_project(path, source),
+            Source::File(path, choice) => {
+                let model = read_model(path, &Budget::default())?;
+                ticker.stage("understanding", 0)?;
+                Ok(understood(&model, source, *choice))
+            }
+            Source::Sample(number) => open_sample(*number, source),
+        }
     }
 
-    fn save(&self, _path: &Path, _snapshot: &Snapshot, _ticker: &Ticker) -> Result<(), Stop> {
-        Err(Stop::Failed("not yet".into()))
+    fn save(&self, path: &Path, project: &Project, ticker: &Ticker) -> Result<(), Stop> {
+        ticker.stage("writing", 0)?;
+        Ok(save_project(path, project)?)
     }
 
     fn geometry(&self, room: &Room, ticker: &Ticker) -> Result<RoomGeometry, Stop> {
-        ticker.stage("distance field", 0)?;
+        ticker.stage("rays, distances, surfaces", 0)?;
         let step = |done: usize, total: usize| match ticker.step(done, total) {
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
@@ -83,17 +72,33 @@ impl Engine for RealEngine {
         RoomGeometry::build(room, &GeometryConfig::default(), &step).map_err(|_| Stop::Cancelled)
     }
 
-    fn populate(&self, _task: &PopulateTask, _cx: &JobCtx<Vec<Person>>) -> Result<Made, Stop> {
-        Err(Stop::Failed("not yet".into()))
+    fn populate(&self, task: &PopulateTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop> {
+        let request = PopulateRequest {
+            people: task.people,
+            at: task.at,
+            families: task.families.clone(),
+            existing: task.existing.clone(),
+            next_id: task.next_id,
+            ..PopulateRequest::default()
+        };
+        let populated = evolve::populate(&task.room, &task.geometry, &request, cx)?;
+        let mut made = Made { shortfall: populated.shortfall, ..Made::default() };
+        for PopulatedPerson { person, report, trace, .. } in populated.people {
+            made.people.push(person);
+            made.reports.push(report);
+            made.energies.push(by_term(&trace));
+        }
+        Ok(made)
     }
 
     fn measure(
         &self,
-        _geometry: &RoomGeometry,
-        _body: &BodyParams,
-        _ticker: &Ticker,
+        geometry: &RoomGeometry,
+        body: &BodyParams,
+        ticker: &Ticker,
     ) -> Result<BodyReport, Stop> {
-        Ok(BodyReport::default())
+        ticker.check()?;
+        Ok(inspect_body(geometry, Body::bundled(), body))
     }
 
     fn pose(&self, body: &BodyParams) -> Arc<[Vec3]> {
@@ -107,4 +112,72 @@ impl Engine for RealEngine {
     fn surface(&self) -> Arc<BodySurface> {
         Arc::new(BodySurface::of(Body::bundled()))
     }
+}
+
+fn open_sample(number: usize, source: &Source) -> Result<Opened, Stop> {
+    let rooms = sample_rooms();
+    let sample = rooms.get(number).or(rooms.first());
+    let sample = sample.ok_or_else(|| Stop::Failed("no sample room is bundled".to_owned()))?;
+    let model = read_model_bytes(&format!("{}.glb", sample.key), sample.glb, &Budget::default())?;
+    let mut opened = understood(&model, source, ImportChoice::default());
+    sample.title.clone_into(&mut opened.summary.name);
+    if let Some(room) = Arc::get_mut(&mut opened.scene.room) {
+        sample.title.clone_into(&mut room.name);
+    }
+    Ok(opened)
+}
+
+fn open_project(path: &Path, source: &Source) -> Result<Opened, Stop> {
+    let loaded = load_project(path)?;
+    let Project { scene, next_person, next_object } = loaded.project;
+    let summary = ImportSummary {
+        source: source.clone(),
+        name: scene.room.name.clone(),
+        unit_m: 1.0,
+        up: crate::scene::UpAxis::Y,
+        triangles: scene.room.triangle_count(),
+        objects: scene.room.objects.len(),
+        extent_m: size_m(&scene.room),
+        notes: loaded.notes,
+    };
+    let project = Some(OpenedProject { path: path.to_path_buf(), next_person, next_object });
+    Ok(Opened { scene, summary, project })
+}
+
+/// The room that a model is understood as.
+fn understood(model: &Model, source: &Source, choice: ImportChoice) -> Opened {
+    let options = ImportOptions { unit_scale: choice.unit_m, up: choice.up };
+    let imported = room_from_model(model, &options);
+    let report = imported.report;
+    let summary = ImportSummary {
+        source: source.clone(),
+        name: report.source,
+        unit_m: report.unit_scale,
+        up: report.up,
+        triangles: report.triangles,
+        objects: report.objects,
+        extent_m: Vec3::from_array(report.extent_m),
+        notes: report.evidence.into_iter().chain(report.notes).collect(),
+    };
+    let scene = Scene { room: Arc::new(imported.room), people: Vec::new() };
+    Opened { scene, summary, project: None }
+}
+
+fn size_m(room: &Room) -> Vec3 {
+    let bounds = room.bounds();
+    if bounds.is_empty() { Vec3::ZERO } else { bounds.size() }
+}
+
+/// One curve for each term of the energy.
+fn by_term(trace: &[[f32; TERMS.len()]]) -> Energies {
+    let curve = |i: usize| trace.iter().map(|terms| terms[i]).collect();
+    TERMS.iter().enumerate().map(|(i, term)| (term.label().to_owned(), curve(i))).collect()
+}
+
+/// The source that an argument of the command line names: a file, or `sample:KEY`.
+pub fn source_named(path: Option<PathBuf>) -> Source {
+    let Some(path) = path else { return Source::Sample(0) };
+    let key = path.to_str().and_then(|text| text.strip_prefix("sample:"));
+    let number = key.and_then(|key| sample_rooms().iter().position(|sample| sample.key == key));
+    number.map_or(Source::File(path, ImportChoice::default()), Source::Sample)
 }

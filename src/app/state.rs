@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::engine::{BodyReport, Finding, Limits, Site};
-use super::engine::{Energies, Engine, ImportSummary, RoomGeometry};
+use super::engine::{Energies, Engine, ImportSummary};
 use super::jobs::Jobs;
 use super::notices::Notices;
 use super::orbit::Orbit;
@@ -14,11 +13,16 @@ use super::selection::{Item, Selection};
 use crate::document::Command;
 use crate::document::Document;
 use crate::document::RoomVersion;
+use crate::inspect::BodyReport;
+use crate::inspect::Finding;
+use crate::inspect::Limits;
+use crate::inspect::Site;
 use crate::math::Aabb;
 use crate::scene::BodyParams;
 use crate::scene::Person;
 use crate::scene::PersonId;
 use crate::scene::PoseFamily;
+use crate::scene::RoomGeometry;
 
 /// What a click in the viewport does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,6 +75,16 @@ pub enum Overlay {
     Rename(Item, String),
     /// Asks before unsaved changes are lost.
     Unsaved(Leaving),
+}
+
+impl Overlay {
+    /// Whether keys belong to it: it has a field or asks something.
+    pub fn takes_keys(&self) -> bool {
+        !matches!(
+            self,
+            Self::None | Self::Shortcuts | Self::Help | Self::Import | Self::History | Self::Notifications
+        )
+    }
 }
 
 /// What would lose unsaved changes.

@@ -14,12 +14,12 @@ use super::state::{EditorState, Heat, Tool};
 /// Points of wheel travel that count as one notch.
 const POINTS_PER_NOTCH: f32 = 40.0;
 
-/// Draws the view and handles what happens in it.
-pub fn viewport(ui: &mut Ui, state: &mut EditorState, canvas: &mut Canvas) {
+/// Draws the view and handles what happens in it. Whether the pointer is over it.
+pub fn viewport(ui: &mut Ui, state: &mut EditorState, canvas: &mut Canvas) -> bool {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3-D view"));
     if rect.width() < 2.0 || rect.height() < 2.0 {
-        return;
+        return false;
     }
     state.aspect = rect.width() / rect.height();
     navigate(ui, state, &response, rect);
@@ -35,6 +35,7 @@ pub fn viewport(ui: &mut Ui, state: &mut EditorState, canvas: &mut Canvas) {
     if state.orbit.advance(ui.input(|i| i.stable_dt)) {
         ui.ctx().request_repaint();
     }
+    response.contains_pointer()
 }
 
 /// The ray through a point of the view.

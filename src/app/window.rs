@@ -1,5 +1,6 @@
 //! The window itself: panels in a dock around the viewport, keys, dropped files, dialogs.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -15,6 +16,8 @@ use super::panels::RenderStatus;
 use super::state::{EditorState, Overlay};
 use super::theme;
 use super::viewport;
+use crate::document::Settings;
+use crate::job::{Job, Outcome, Seed};
 
 /// A panel of the dock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,12 +42,22 @@ pub struct Window {
     keys: Vec<&'static commands::CommandInfo>,
     over_viewport: bool,
     script: Option<super::screenshot::Script>,
+    leaving: bool,
+    title: String,
+    settings: Option<Remembered>,
+}
+
+/// Where settings are kept, and as they were kept last.
+struct Remembered {
+    path: PathBuf,
+    kept: Settings,
+    keeping: Option<Job<()>>,
 }
 
 /// A file dialog of the desktop that is open; it runs on a thread of its own.
 enum Dialog {
-    Open(crate::job::Job<Option<std::path::PathBuf>>),
-    Save(crate::job::Job<Option<std::path::PathBuf>>),
+    Open(Job<Option<PathBuf>>),
+    Save(Job<Option<PathBuf>>),
 }
 
 impl Window {
@@ -61,6 +74,42 @@ impl Window {
             keys: Vec::new(),
             over_viewport: false,
             script: None,
+            leaving: false,
+            title: String::new(),
+            settings: None,
+        }
+    }
+
+    /// Takes recent files and theme from `path`, and keeps them there from now on.
+    pub fn remember(&mut self, path: Option<PathBuf>) {
+        let Some(path) = path else { return };
+        let kept = Settings::load(&path);
+        self.state.recent.clone_from(&kept.recent);
+        self.state.view.dark = !kept.light;
+        self.settings = Some(Remembered { path, kept, keeping: None });
+    }
+
+    /// Writes the settings beside the window when they have changed.
+    fn keep_settings(&mut self) {
+        let Some(remembered) = &mut self.settings else { return };
+        let now = Settings { recent: self.state.recent.clone(), light: !self.state.view.dark };
+        if now == remembered.kept {
+            return;
+        }
+        let (path, settings) = (remembered.path.clone(), now.clone());
+        let keep = move |_: &crate::job::JobCtx| Ok(settings.save(&path)?);
+        remembered.keeping = Some(Job::spawn("Keep settings", Seed::root(0), || (), keep));
+        remembered.kept = now;
+    }
+
+    /// The window's title: the room, and a mark while there is something to save.
+    fn show_title(&mut self, ctx: &Context) {
+        let name = &self.state.document.scene().room.name;
+        let mark = if self.state.document.is_dirty() { "*" } else { "" };
+        let title = if name.is_empty() { "Inhabit".to_owned() } else { format!("{name}{mark} - Inhabit") };
+        if title != self.title {
+            ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
         }
     }
 
@@ -96,7 +145,7 @@ impl Window {
     fn do_requests(&mut self, ctx: &Context) {
         let requests = std::mem::take(&mut self.state.requests);
         if requests.close {
-            self.state.document.mark_saved();
+            self.leaving = true;
             ctx.send_viewport_cmd(ViewportCommand::Close);
         }
         if requests.full_screen {
@@ -125,11 +174,11 @@ impl Window {
         let Some(outcome) = outcome else { return };
         let saving = matches!(self.dialog.take(), Some(Dialog::Save(_)));
         match outcome {
-            crate::job::Outcome::Done(Some(path)) if saving => {
+            Outcome::Done(Some(path)) if saving => {
                 self.state.start_saving(panels::with_project_extension(path));
             }
-            crate::job::Outcome::Done(Some(path)) => actions::open_file(&mut self.state, path),
-            crate::job::Outcome::Done(None) => {}
+            Outcome::Done(Some(path)) => actions::open_file(&mut self.state, path),
+            Outcome::Done(None) => {}
             _ if saving => self.state.overlay = Overlay::SavePath(String::new()),
             _ => self.state.overlay = Overlay::OpenPath(String::new()),
         }
@@ -139,14 +188,15 @@ impl Window {
     fn guard_close(&mut self, ctx: &Context) {
         let closing = ctx.input(|i| i.viewport().close_requested());
         let unsaved = self.state.document.is_dirty() && !self.state.document.scene().people.is_empty();
-        if closing && unsaved && self.script.is_none() {
+        if closing && unsaved && !self.leaving && self.script.is_none() {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.state.overlay = Overlay::Unsaved(super::state::Leaving::Quit);
         }
     }
 
     fn dock(&mut self, ui: &mut Ui) {
-        let mut panes = Panes { state: &mut self.state, canvas: &mut self.canvas };
+        let (state, canvas) = (&mut self.state, &mut self.canvas);
+        let mut panes = Panes { state, canvas, over_viewport: &mut self.over_viewport };
         self.tree.ui(&mut panes, ui);
     }
 }
@@ -155,6 +205,8 @@ impl eframe::App for Window {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
         self.state.poll();
         self.poll_dialog();
+        self.keep_settings();
+        self.show_title(ctx);
         let passed = Duration::from_secs_f32(ctx.input(|i| i.unstable_dt).min(1.0));
         if let Some(next) = self.state.notices.advance(passed) {
             ctx.request_repaint_after(next.min(Duration::from_millis(500)));
@@ -208,8 +260,8 @@ fn run_if_possible(state: &mut EditorState, command: &commands::CommandInfo) {
     }
 }
 
-/// The command that a key means now. While a text field is typed in or something lies over the window, only
-/// Escape and keys with Ctrl or from the function row are commands; while flying, letters steer.
+/// The command that a key means now. While a text field is typed in or a question is asked, only Escape is a
+/// command; while flying, letters steer.
 fn command_for(
     key: Key,
     modifiers: Modifiers,
@@ -217,12 +269,11 @@ fn command_for(
     flying: bool,
     overlay: &Overlay,
 ) -> Option<&'static commands::CommandInfo> {
-    let over = *overlay != Overlay::None;
-    if key == Key::Escape && !(typing && !over) {
+    if key == Key::Escape && (!typing || *overlay != Overlay::None) {
         return commands::for_key(key, modifiers);
     }
     let steers = matches!(key, Key::W | Key::A | Key::S | Key::D | Key::Q | Key::E);
-    if typing || over || (flying && steers) {
+    if typing || overlay.takes_keys() || (flying && steers) {
         return None;
     }
     commands::for_key(key, modifiers)
@@ -261,12 +312,13 @@ fn linear(tiles: &mut Tiles<Pane>, dir: LinearDir, children: &[TileId], shares: 
 struct Panes<'a> {
     state: &'a mut EditorState,
     canvas: &'a mut Canvas,
+    over_viewport: &'a mut bool,
 }
 
 impl egui_tiles::Behavior<Pane> for Panes<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
         if *pane == Pane::Viewport {
-            viewport::viewport(ui, self.state, self.canvas);
+            *self.over_viewport = viewport::viewport(ui, self.state, self.canvas);
             return UiResponse::None;
         }
         let show: fn(&mut Ui, &mut EditorState) = match pane {

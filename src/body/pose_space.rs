@@ -116,3 +116,31 @@ fn dot(a: &BodyPose, b: &BodyPose) -> f32 {
 fn squared(a: &BodyPose) -> f32 {
     dot(a, a)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Body;
+
+    #[test]
+    fn a_code_survives_decoding_and_encoding() {
+        let body = Body::bundled();
+        let code: [f32; POSE] = std::array::from_fn(|i| (i as f32 * 1.7).sin());
+        let back = body.pose_space.encode(&body.pose_space.decode(&code));
+        for (a, b) in code.iter().zip(back) {
+            assert!((a - b).abs() < 1e-3, "{a} came back as {b}");
+        }
+    }
+
+    #[test]
+    fn statistics_survive_a_round_trip_and_a_short_file_is_refused() {
+        let text = include_str!("../../assets/body/pose_statistics.ron");
+        let mut statistics = PoseStatistics::from_ron(text).expect("bundled");
+        let again = PoseStatistics::from_ron(&statistics.to_ron().expect("text")).expect("round trip");
+        assert_eq!(again, statistics);
+        statistics.poses.directions.pop();
+        let short = PoseStatistics::from_ron(&statistics.to_ron().expect("text"));
+        assert!(matches!(short, Err(PoseStatisticsError::Incomplete)));
+        assert!(matches!(PoseStatistics::from_ron("(poses:"), Err(PoseStatisticsError::Syntax(_))));
+    }
+}

@@ -7,10 +7,16 @@
 mod change;
 mod command;
 mod decide;
+mod files;
 mod history;
+mod project;
+mod settings;
 #[cfg(test)]
 mod tests;
 
 pub use change::{Change, Numbered, ObjectState, RoomState, RoomVersion};
 pub use command::{Command, Refused};
+pub use files::{LoadedProject, ProjectError, load_project, save_project};
 pub use history::Document;
+pub use project::{Project, WriteProblem};
+pub use settings::Settings;

@@ -368,3 +368,130 @@ proptest! {
         prop_assert_eq!(snapshot(user.document.scene()), end);
     }
 }
+
+/// Bodies whose numbers are awkward to write down: tiny, huge, negative zero, no short decimal.
+fn awkward(id: u32) -> Person {
+    let mut x = [0.0f32; crate::scene::PARAMS];
+    for (i, value) in x.iter_mut().enumerate() {
+        let bits = (i as u32 + 1).wrapping_mul(0x9e37_79b9).wrapping_add(id) & 0xbfff_ffff;
+        let number = f32::from_bits(bits);
+        *value = if number.is_finite() { number } else { -0.0 };
+    }
+    x[4] = -0.0;
+    x[5] = f32::MIN_POSITIVE / 8.0;
+    x[6] = 1.0 / 3.0;
+    Person { id: PersonId(id), body: BodyParams::from_vector(&x), ..person("Zoë \"Z\" O'Hara\\\n") }
+}
+
+fn project() -> Project {
+    let mut room = room().as_ref().clone();
+    room.objects[1].world_from_object =
+        Affine3A::from_rotation_y(0.3) * Affine3A::from_scale(Vec3::new(-1.0, 1.1, 0.7));
+    room.objects[1].visible = false;
+    room.objects[1].locked = true;
+    room.objects[1].category = Category::Bed;
+    let elsewhere = Affine3A::from_translation(Vec3::new(0.1, 0.2, 0.3));
+    let first = room.objects[1].parts[0].clone();
+    room.objects[1].parts.push(ObjectPart { object_from_mesh: elsewhere, ..first.clone() });
+    room.objects[1].parts.push(first);
+    Project {
+        scene: Scene { room: Arc::new(room), people: vec![awkward(3), awkward(8)] },
+        next_person: 12,
+        next_object: 40,
+    }
+}
+
+fn bits_of(project: &Project) -> String {
+    format!("{} {} {}", snapshot(&project.scene), project.next_person, project.next_object)
+}
+
+#[test]
+fn a_saved_project_opens_again_bit_by_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["project.ron", "other.ron", "all.inhabit"] {
+        let path = folder.path().join(name);
+        let saved = project();
+        save_project(&path, &saved).unwrap();
+        let loaded = load_project(&path).unwrap();
+        assert!(loaded.notes.is_empty(), "{:?}", loaded.notes);
+        assert_eq!(bits_of(&loaded.project), bits_of(&saved), "{name}");
+        let triangles = |p: &Project| p.scene.room.world_triangles().count();
+        assert_eq!(triangles(&loaded.project), triangles(&saved));
+        assert_eq!(loaded.project.scene.room.bounds(), saved.scene.room.bounds());
+    }
+    let names: BTreeSet<String> =
+        std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    let expected = ["all.inhabit", "other.ron", "other.room.glb", "project.ron", "room.glb"];
+    assert_eq!(names, expected.map(str::to_owned).into(), "no temporary file is left");
+}
+
+#[test]
+fn a_project_saved_again_after_opening_has_the_same_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let (first, second) = (folder.path().join("project.ron"), folder.path().join("again/project.ron"));
+    std::fs::create_dir(folder.path().join("again")).unwrap();
+    save_project(&first, &project()).unwrap();
+    save_project(&second, &load_project(&first).unwrap().project).unwrap();
+    let objects = |path: &std::path::Path| {
+        let text = std::fs::read_to_string(path).unwrap();
+        text[text.find("objects").unwrap()..].to_owned()
+    };
+    assert_eq!(objects(&first), objects(&second));
+}
+
+#[test]
+fn a_bad_project_names_file_place_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("project.ron");
+    save_project(&path, &project()).unwrap();
+    let good = std::fs::read_to_string(&path).unwrap();
+    let complaint = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        load_project(&path).unwrap_err().to_string()
+    };
+    let cases = [
+        (good[..good.len() / 2].to_owned(), "line"),
+        (good.replace("inhabit project", "cooking recipe"), "cooking recipe"),
+        (good.replace("version: 1", "version: 99"), "version 99"),
+        (good.replace("file: \"room.glb\"", "file: \"../room.glb\""), "without a folder"),
+        (good.replace("file: \"room.glb\"", "file: \"gone.glb\""), "gone.glb"),
+        (good.replace("id: (8)", "id: (3)"), "the id of another person"),
+        ("\0\u{1}".to_owned(), "line 1"),
+        (String::new(), "line 1"),
+    ];
+    for (text, expected) in cases {
+        let said = complaint(&text);
+        assert!(said.contains(expected), "{expected}: {said}");
+        assert!(said.contains(folder.path().to_str().unwrap()), "names no file: {said}");
+    }
+    std::fs::write(&path, &good).unwrap();
+    std::fs::write(folder.path().join("room.glb"), b"glTF").unwrap();
+    assert!(load_project(&path).unwrap_err().to_string().contains("room"));
+}
+
+#[test]
+fn a_damaged_archive_is_refused_and_a_failed_save_leaves_the_old_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("room.inhabit");
+    save_project(&path, &project()).unwrap();
+    let good = std::fs::read(&path).unwrap();
+    let mut broken = project();
+    Arc::make_mut(&mut broken.scene.room).objects[0].world_from_object.translation.x = f32::NAN;
+    assert!(save_project(&path, &broken).unwrap_err().to_string().contains("was not written"));
+    assert_eq!(std::fs::read(&path).unwrap(), good);
+    std::fs::write(&path, &good[..good.len() - 40]).unwrap();
+    assert!(load_project(&path).unwrap_err().to_string().contains("damaged"));
+    let nowhere = folder.path().join("no/such/folder/a.inhabit");
+    assert!(save_project(&nowhere, &project()).unwrap_err().to_string().contains("can't be written"));
+}
+
+#[test]
+fn settings_survive_a_restart_and_a_broken_file_is_no_reason_to_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deep/settings.ron");
+    let settings = Settings { recent: vec!["/rooms/a.glb".into()], light: true };
+    settings.save(&path).unwrap();
+    assert_eq!(Settings::load(&path), settings);
+    std::fs::write(&path, "((((").unwrap();
+    assert_eq!(Settings::load(&path), Settings::default());
+}

@@ -7,10 +7,11 @@ use egui::{Align2, Context, Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit
 use super::toasts::level_color;
 use crate::app::actions;
 use crate::app::commands::{self, COMMANDS, CommandInfo, Menu};
-use crate::app::engine::{ImportChoice, ImportSummary, Source, UpAxis};
+use crate::app::engine::{ImportChoice, ImportSummary, Source};
 use crate::app::selection::Item;
 use crate::app::state::{EditorState, Leaving, Overlay};
 use crate::app::theme;
+use crate::scene::UpAxis;
 
 /// Draws what lies over the window, if anything does.
 pub fn overlays(ctx: &Context, state: &mut EditorState) {
@@ -360,8 +361,8 @@ fn import_choice(
     });
     ui.horizontal(|ui| {
         ui.weak("Up");
-        for (label, up) in [("Y", UpAxis::Y), ("Z", UpAxis::Z)] {
-            if ui.selectable_label(summary.up == up, label).clicked() {
+        for up in UpAxis::ALL {
+            if ui.selectable_label(summary.up == up, up.label()).clicked() {
                 wanted.up = Some(up);
             }
         }

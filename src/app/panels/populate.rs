@@ -68,18 +68,19 @@ fn buttons(ui: &mut Ui, state: &mut EditorState) {
     if state.jobs.populating() {
         let waiting = state.jobs.waiting();
         let text = if waiting { "Cancel (waits for the room analysis)" } else { "Cancel" };
-        if ui.add(Button::new(text).min_size(egui::vec2(width, 32.0))).clicked() {
+        if ui.add_sized([width, 32.0], Button::new(text)).clicked() {
             state.cancel(JobKind::Populate);
         }
         return;
     }
     let ready = state.has_room() && !state.populate.families.is_empty();
     let text = RichText::new("Populate").size(14.0).color(palette.on_accent);
-    let button = Button::new(text).fill(palette.accent).min_size(egui::vec2(width, 32.0));
+    let button = Button::new(text).fill(palette.accent);
     let hint = "Puts people into the room (Ctrl+Enter)";
     let why_not =
         if state.has_room() { "Choose at least one thing that people may do." } else { "Open a room first." };
-    if ui.add_enabled(ready, button).on_hover_text(hint).on_disabled_hover_text(why_not).clicked() {
+    let response = ui.add_enabled_ui(ready, |ui| ui.add_sized([width, 32.0], button)).inner;
+    if response.on_hover_text(hint).on_disabled_hover_text(why_not).clicked() {
         actions::populate(state);
     }
     ui.horizontal(|ui| {

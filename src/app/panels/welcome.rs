@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, Layout, RichText, Ui, vec2};
+use egui::{Align, Button, Layout, RichText, Ui};
 
 use crate::app::actions;
 use crate::app::engine::Source;
@@ -47,7 +47,7 @@ fn samples(ui: &mut Ui, state: &mut EditorState) {
                 (ui.visuals().widgets.inactive.bg_fill, ui.visuals().widgets.inactive.text_color())
             };
             let button = Button::new(RichText::new(name).size(14.0).color(text)).fill(fill);
-            if ui.add(button.min_size(vec2(150.0, 40.0))).clicked() {
+            if ui.add_sized([150.0, 40.0], button).clicked() {
                 state.open(Source::Sample(number));
             }
         }

@@ -147,7 +147,7 @@ fn seated(figure: &Figure, side: Side, goal: ArmGoal, rng: &mut impl Chance) -> 
             let point = Vec3::new(
                 hip.x + side.sign() * rng.between(0.15, 0.2),
                 seat_y,
-                hip.z + rng.between(-0.1, 0.08),
+                hip.z + rng.between(-0.04, 0.12),
             );
             palm_at(
                 point,

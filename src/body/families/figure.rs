@@ -114,10 +114,13 @@ impl Figure {
     }
 
     /// Points a limb's two bones along world directions; the hinge stays square to both, so nothing twists.
-    /// `pole` says where the middle joint points when the limb is straight.
+    /// `pole` says to which side the middle joint points.
     pub(super) fn aim_limb(&mut self, limb: Limb, upper: Vec3, lower: Vec3, pole: Vec3) {
+        let natural = pole.cross(upper);
         let hinge = upper.cross(lower);
-        let hinge = if hinge.length() > 0.02 { hinge } else { pole.cross(upper) };
+        let hinge = if hinge.length() > 0.02 { hinge } else { natural };
+        // A limb a little beyond straight is overstretched, not turned round.
+        let hinge = if hinge.dot(natural) < 0.0 { -hinge } else { hinge };
         let hinge = hinge.normalize_or(limb.hinge);
         let upper_rest = self.rest[limb.lower] - self.rest[limb.upper];
         let lower_rest = self.rest[limb.end] - self.rest[limb.lower];
@@ -131,7 +134,8 @@ impl Figure {
         let root = self.position(limb.upper);
         let (a, b) = (self.bone(limb.lower), self.bone(limb.end));
         let along = (target - root).normalize_or(Vec3::NEG_Y);
-        let distance = (target - root).length().clamp((a - b).abs() + 0.05, (a + b) * 0.995);
+        let folded = (a * a + b * b - 2.0 * a * b * LEAST_INNER_ANGLE.cos()).sqrt();
+        let distance = (target - root).length().clamp(folded, (a + b) * 0.995);
         let pole = (pole - along * pole.dot(along)).normalize_or(along.any_orthonormal_vector());
         let cos = ((a * a + distance * distance - b * b) / (2.0 * a * distance)).clamp(-1.0, 1.0);
         let upper = along * cos + pole * (1.0 - cos * cos).sqrt();
@@ -173,6 +177,8 @@ impl Figure {
     }
 }
 
+/// Radians between the two bones of a limb bent as far as flesh lets it: 145 degrees of flexion.
+const LEAST_INNER_ANGLE: f32 = 0.61;
 /// Radians; pronation and supination reach 75 to 85 degrees each (AAOS norms).
 const MAX_FOREARM_TWIST: f32 = 1.5;
 /// Radians; wrist flexion and extension reach 70 to 80 degrees (AAOS norms), less in comfort.

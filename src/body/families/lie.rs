@@ -129,7 +129,7 @@ fn leg(figure: &mut Figure, side: Side, hip_flexion: f32, apart: f32, knee: f32)
 fn draw_up(figure: &mut Figure, side: Side, apart: f32, knee: f32) {
     let root = figure.rotation(PELVIS);
     let in_plane = |angle: f32, lift: f32| root * side.outward(angle.sin(), -angle.cos(), -lift);
-    let shank = in_plane(apart - knee, 0.12).normalize_or(Vec3::Z);
+    let shank = in_plane(apart - knee, 0.4).normalize_or(Vec3::Z);
     figure.aim_limb(Limb::leg(side), in_plane(apart, 0.0), shank, root * side.outward(1.0, 0.0, 0.0));
 }
 

@@ -137,3 +137,129 @@ fn place_arms(figure: &mut Figure, goals: [arms::ArmGoal; 2], rng: &mut impl Cha
     let left = arms::place(figure, Side::Left, goals[0], rng);
     [left, arms::place(figure, Side::Right, goals[1], rng)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::joints::{LEFT_ANKLE, LEFT_HIP, LEFT_KNEE, LEFT_WRIST, RIGHT_ANKLE};
+    use crate::body::{Posed, Region, worst_excess};
+    use crate::math::Aabb;
+    use rand::SeedableRng as _;
+    use rand_chacha::ChaCha8Rng;
+
+    fn draws(family: PoseFamily, count: usize, hints: &FamilyHints) -> Vec<SampledPose> {
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let rest = &Body::bundled().model.joint_template;
+        (0..count).map(|_| sample_pose(rest, family, &mut rng, hints)).collect()
+    }
+
+    fn posed(sample: &SampledPose) -> Posed {
+        let body = Body::bundled();
+        body.pose(&sample.params(body, [0.0; BETAS], &Mat3::IDENTITY))
+    }
+
+    #[test]
+    fn nobody_bends_a_joint_farther_than_people_can() {
+        for family in PoseFamily::ALL {
+            for sample in draws(family, 60, &FamilyHints::default()) {
+                let (excess, joint) = worst_excess(&sample.pose);
+                assert!(excess < 0.1, "{}: {} by {excess}", family.label(), joints::NAMES[joint]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_seats_height_sets_the_knees() {
+        let knee = |height: f32| {
+            let hints = FamilyHints { seat_height_m: Some(height), ..FamilyHints::default() };
+            let people = draws(PoseFamily::SitChair, 60, &hints);
+            let bent = people.iter().map(|sample| {
+                let joints = posed(sample).joints;
+                let thigh = joints[LEFT_KNEE] - joints[LEFT_HIP];
+                thigh.angle_between(joints[LEFT_ANKLE] - joints[LEFT_KNEE]).to_degrees()
+            });
+            bent.sum::<f32>() / 60.0
+        };
+        let (low, usual, high) = (knee(0.35), knee(0.45), knee(0.62));
+        assert!((75.0..105.0).contains(&usual), "a chair of 45 cm bends knees by {usual} degrees");
+        // On a seat that is too high the feet hang, so the knees open little further.
+        assert!(low > usual + 5.0 && high < usual - 1.0, "{low}, {usual}, {high}");
+    }
+
+    #[test]
+    fn lying_people_are_flat() {
+        for family in [PoseFamily::LieUp, PoseFamily::LieDown, PoseFamily::LieSide] {
+            for sample in draws(family, 20, &FamilyHints::default()) {
+                let size = Aabb::of(posed(&sample).vertices).size();
+                let highest = if family == PoseFamily::LieSide { 0.6 } else { 0.48 };
+                assert!(size.y < highest && size.z > 1.1, "{}: {size}", family.label());
+            }
+        }
+    }
+
+    #[test]
+    fn people_lie_on_what_their_family_says_with_the_head_towards_minus_z() {
+        let body = Body::bundled();
+        for (family, below) in [(PoseFamily::LieUp, Region::Back), (PoseFamily::LieDown, Region::Front)] {
+            for sample in draws(family, 10, &FamilyHints::default()) {
+                let person = posed(&sample);
+                let ids = body.regions.sample(below);
+                let mean = ids.iter().map(|v| person.vertices[*v as usize].y).sum::<f32>() / ids.len() as f32;
+                assert!(mean < -0.045, "{}: {mean}", family.label());
+                assert!(person.joints[joints::HEAD].z < -0.4);
+            }
+        }
+    }
+
+    #[test]
+    fn standing_people_have_both_feet_flat_on_one_floor() {
+        for sample in draws(PoseFamily::Stand, 30, &FamilyHints::default()) {
+            let person = posed(&sample);
+            let (left, right) = (person.joints[LEFT_ANKLE], person.joints[RIGHT_ANKLE]);
+            assert!((left.y - right.y).abs() < 0.03 && left.y < -0.8, "{left} {right}");
+        }
+    }
+
+    #[test]
+    fn seated_hands_rest_on_something_of_the_body_or_near_it() {
+        let hints = FamilyHints { seat_height_m: Some(0.45), ..FamilyHints::default() };
+        let people = draws(PoseFamily::SitChair, 60, &hints);
+        let near = people.iter().filter(|sample| {
+            let joints = posed(sample).joints;
+            let (hip, knee) = (joints[LEFT_HIP], joints[LEFT_KNEE]);
+            let along =
+                ((joints[LEFT_WRIST] - hip).dot(knee - hip) / (knee - hip).length_squared()).clamp(0.0, 1.0);
+            joints[LEFT_WRIST].distance(hip.lerp(knee, along)) < 0.17
+        });
+        assert!(near.count() > 30, "most hands of people on chairs rest on the thighs or in the lap");
+    }
+
+    #[test]
+    fn two_people_on_one_sofa_are_not_clones_and_the_same_seed_gives_the_same_person() {
+        let first = draws(PoseFamily::SitSofa, 12, &FamilyHints::default());
+        assert_eq!(first, draws(PoseFamily::SitSofa, 12, &FamilyHints::default()));
+        for (i, a) in first.iter().enumerate() {
+            for b in &first[..i] {
+                let apart: f32 = a.pose.iter().zip(&b.pose).map(|(a, b)| a.distance(*b)).sum();
+                assert!(apart > 0.8, "{apart} radians of difference over all joints");
+            }
+        }
+    }
+
+    #[test]
+    fn the_pose_space_holds_every_family_within_four_degrees_a_joint() {
+        let body = Body::bundled();
+        for family in PoseFamily::ALL {
+            let (mut degrees, mut squared) = (0.0, 0.0);
+            for sample in draws(family, 40, &FamilyHints::default()) {
+                let code = body.pose_space.encode(&sample.pose);
+                let back = body.pose_space.decode(&code);
+                let error: f32 = back.iter().zip(&sample.pose).map(|(a, b)| a.distance(*b)).sum();
+                degrees += error.to_degrees() / 21.0 / 40.0;
+                squared += 2.0 * body.pose_space.prior_energy(&code) / 40.0;
+            }
+            assert!(degrees < 4.0, "{}: {degrees} degrees", family.label());
+            assert!(squared < 64.0, "{}: |code|² of {squared}, 32 is the prior's mean", family.label());
+        }
+    }
+}

@@ -107,7 +107,8 @@ fn place_legs(figure: &mut Figure, family: PoseFamily, seat_m: f32, rng: &mut im
     let seat = Seat {
         hips_m: seat_m + HIP_ABOVE_SEAT_M,
         least_thigh_rise: match family {
-            PoseFamily::SitStool | PoseFamily::SitEdge => -0.42,
+            PoseFamily::SitStool => -0.42,
+            PoseFamily::SitEdge => -0.22,
             _ => -0.14,
         },
     };
@@ -148,7 +149,7 @@ fn lower_leg(figure: &mut Figure, side: Side, seat: Seat, splay: f32, forward: f
     let thigh = out * Vec3::new(0.0, rise, level);
     let shank =
         out * Mat3::from_rotation_x(rng.degrees(0.0, 1.0)) * Vec3::new(0.0, -forward.cos(), forward.sin());
-    figure.aim_limb(leg, thigh, shank, Vec3::Z);
+    figure.aim_limb(leg, thigh, shank, Vec3::new(0.0, 1.0, 1.0));
     let sole_m =
         figure.position(leg.end).y - figure.position(side.joint(LEFT_HIP)).y + hips_m - ANKLE_HEIGHT_M;
     let toe_out = (splay + rng.degrees(4.0, 4.0)) * side.sign();

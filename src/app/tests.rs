@@ -1,0 +1,453 @@
+//! The window in the user's words, driven without a screen; work behind it is replaced by work that is quick,
+//! endless or breaks, as a test needs it.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use glam::{Affine3A, Vec3};
+
+use super::engine::{Engine, ImportSummary, Made, Opened, PopulateTask, Source};
+use super::selection::Item;
+use super::state::{EditorState, Leaving, Overlay, Tool};
+use super::window::Window;
+use crate::assets::{Material, Mesh};
+use crate::body::Body;
+use crate::document::{Command, Project};
+use crate::evolve::PopulatePreview;
+use crate::inspect::BodyReport;
+use crate::job::{JobCtx, Stop, Ticker};
+use crate::render::BodySurface;
+use crate::scene::{
+    BodyParams, Category, FieldConfig, GeometryConfig, Object, ObjectId, ObjectPart, Person, PersonId,
+    PoseFamily, Resolution, Room, RoomGeometry, Scene, UpAxis, bake,
+};
+
+/// How making people goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Making {
+    /// At once.
+    #[default]
+    Quick,
+    /// On and on, until cancelled.
+    Endless,
+    /// With a fault of the program.
+    Breaks,
+}
+
+#[derive(Default)]
+struct FakeEngine {
+    making: Mutex<Making>,
+}
+
+fn somebody(id: u32) -> Person {
+    Person {
+        id: PersonId(id),
+        name: format!("Person {}", id + 1),
+        body: BodyParams { translation: Vec3::new(0.0, 1.0, 0.0), ..BodyParams::default() },
+        family: PoseFamily::Stand,
+        on: "floor".to_owned(),
+        seed: 1,
+        palette: 0,
+        visible: true,
+        locked: false,
+    }
+}
+
+fn thing(id: u32, name: &str, category: Category, height_m: f32) -> Object {
+    let corner = |x: f32, z: f32| Vec3::new(x, height_m, z);
+    let mesh = Mesh {
+        positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+        triangles: vec![[0, 2, 1], [0, 3, 2]],
+        ..Mesh::default()
+    };
+    let part = ObjectPart { mesh: Arc::new(mesh), material: 0, object_from_mesh: Affine3A::IDENTITY };
+    Object {
+        id: ObjectId(id),
+        name: name.to_owned(),
+        category,
+        parts: vec![part],
+        world_from_object: Affine3A::IDENTITY,
+        visible: true,
+        locked: false,
+    }
+}
+
+impl Engine for FakeEngine {
+    fn samples(&self) -> Vec<String> {
+        vec!["Study".to_owned()]
+    }
+
+    fn open(&self, source: &Source, _: &Ticker) -> Result<Opened, Stop> {
+        if let Source::File(path, _) = source {
+            return Err(Stop::Failed(format!("{}, byte 0: the file is empty", path.display())));
+        }
+        let objects =
+            vec![thing(0, "Oak floor", Category::Floor, 0.0), thing(1, "Red sofa", Category::Sofa, 0.4)];
+        let materials = vec![Material::default()];
+        let room = Room { name: "Study".to_owned(), objects, materials, textures: Vec::new() };
+        let summary = ImportSummary {
+            source: source.clone(),
+            name: "Study".to_owned(),
+            unit_m: 1.0,
+            up: UpAxis::Y,
+            triangles: 4,
+            objects: 2,
+            extent_m: room.bounds().size(),
+            notes: vec!["The unit is the metre.".to_owned()],
+        };
+        Ok(Opened { scene: Scene { room: Arc::new(room), people: Vec::new() }, summary, project: None })
+    }
+
+    fn save(&self, _: &Path, _: &Project, _: &Ticker) -> Result<(), Stop> {
+        Ok(())
+    }
+
+    fn geometry(&self, room: &Room, _: &Ticker) -> Result<RoomGeometry, Stop> {
+        let (owner, triangles): (Vec<_>, Vec<_>) = room.world_triangles().unzip();
+        let config = GeometryConfig::default();
+        let go_on = |_, _| ControlFlow::Continue(());
+        let stopped = |_| Stop::Cancelled;
+        let coarse = FieldConfig {
+            resolution: Resolution::Cells { cell_m: 0.1, max_bytes: 64 << 20 },
+            ..config.field
+        };
+        let field = bake(&triangles, &coarse, &go_on).map_err(stopped)?;
+        RoomGeometry::from_field(triangles, owner, field, &config, &go_on).map_err(stopped)
+    }
+
+    fn populate(&self, task: &PopulateTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop> {
+        let people: Vec<Person> = (0..task.people as u32).map(|i| somebody(task.next_id + i)).collect();
+        let making = *self.making.lock().unwrap();
+        match making {
+            Making::Quick => Ok(Made { people, ..Made::default() }),
+            Making::Breaks => panic!("index 7 is out of range"),
+            Making::Endless => loop {
+                cx.step(0, 0)?;
+                cx.preview(PopulatePreview { people: people.clone() });
+                std::thread::sleep(Duration::from_millis(2));
+            },
+        }
+    }
+
+    fn measure(&self, _: &RoomGeometry, _: &BodyParams, _: &Ticker) -> Result<BodyReport, Stop> {
+        let mut report = BodyReport::default();
+        report.metrics.psi_non_collision = 1.0;
+        report.metrics.contact_2cm = true;
+        report.metrics.supported = true;
+        report.metrics.penetration_max_mm = 31.0;
+        Ok(report)
+    }
+
+    fn pose(&self, body: &BodyParams) -> Arc<[Vec3]> {
+        Body::bundled().pose(body).vertices.into()
+    }
+
+    fn faces(&self) -> Arc<[[u32; 3]]> {
+        Body::bundled().model.faces.as_slice().into()
+    }
+
+    fn surface(&self) -> Arc<BodySurface> {
+        Arc::new(BodySurface::of(Body::bundled()))
+    }
+}
+
+/// Somebody in front of the window.
+struct User {
+    harness: Harness<'static, Window>,
+    engine: Arc<FakeEngine>,
+}
+
+impl User {
+    fn starts() -> Self {
+        let engine = Arc::new(FakeEngine::default());
+        let given = engine.clone();
+        let harness = Harness::builder()
+            .with_size(egui::vec2(1000.0, 640.0))
+            .with_max_steps(60)
+            .build_eframe(move |cc| Window::new(cc, given));
+        Self { harness, engine }
+    }
+
+    fn opens_the_study() -> Self {
+        let mut user = Self::starts();
+        user.state().open(Source::Sample(0));
+        user.waits(|state| state.geometry().is_some());
+        user
+    }
+
+    fn state(&mut self) -> &mut EditorState {
+        &mut self.harness.state_mut().state
+    }
+
+    fn sees(&mut self) {
+        self.harness.run_ok();
+    }
+
+    fn waits(&mut self, until: impl Fn(&EditorState) -> bool) {
+        let begun = Instant::now();
+        loop {
+            self.harness.step();
+            if until(&self.harness.state().state) {
+                return self.sees();
+            }
+            assert!(begun.elapsed() < Duration::from_secs(30), "waited in vain");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    fn presses(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.sees();
+    }
+
+    fn populates(&mut self, people: usize) {
+        self.state().populate.people = people;
+        self.presses(Modifiers::COMMAND, Key::Enter);
+        self.waits(|state| !state.jobs.populating());
+    }
+
+    fn people(&self) -> usize {
+        self.harness.state().state.document.scene().people.len()
+    }
+
+    fn errors(&self) -> Vec<String> {
+        let notices = &self.harness.state().state.notices;
+        let errors = notices.all().filter(|(_, n)| n.level == super::notices::Level::Error);
+        errors.map(|(_, n)| n.for_clipboard()).collect()
+    }
+}
+
+#[test]
+fn a_room_that_is_opened_shows_its_objects_by_category() {
+    let mut user = User::starts();
+    user.sees();
+    user.harness.get_by_label("Study").click();
+    user.waits(EditorState::has_room);
+    user.harness.get_by_label("Couch (1)");
+    user.harness.get_by_label("Red sofa").click();
+    user.sees();
+    assert_eq!(user.state().selection.objects(), [ObjectId(1)]);
+}
+
+#[test]
+fn populating_is_one_step_that_one_undo_takes_back() {
+    let mut user = User::opens_the_study();
+    user.populates(3);
+    assert_eq!(user.people(), 3);
+    assert_eq!(user.state().document.past_labels().collect::<Vec<_>>(), ["Add 3 people"]);
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!(user.people(), 0);
+    user.presses(Modifiers { shift: true, ..Modifiers::COMMAND }, Key::Z);
+    assert_eq!(user.people(), 3);
+}
+
+#[test]
+fn cancel_takes_effect_within_200_ms_and_changes_nothing() {
+    let mut user = User::opens_the_study();
+    *user.engine.making.lock().unwrap() = Making::Endless;
+    user.presses(Modifiers::COMMAND, Key::Enter);
+    user.waits(|state| !state.ghosts.is_empty());
+    let begun = Instant::now();
+    user.harness.get_by_label("Cancel").click();
+    while user.harness.state().state.jobs.populating() {
+        user.harness.step();
+    }
+    assert!(begun.elapsed() < Duration::from_millis(200), "{:?}", begun.elapsed());
+    assert!(user.state().ghosts.is_empty() && user.people() == 0 && !user.state().document.can_undo());
+}
+
+#[test]
+fn the_window_answers_while_people_are_being_made() {
+    let mut user = User::opens_the_study();
+    *user.engine.making.lock().unwrap() = Making::Endless;
+    user.presses(Modifiers::COMMAND, Key::Enter);
+    user.waits(|state| !state.ghosts.is_empty());
+    let revision = user.state().document.revision();
+    user.state().selection.only(Item::Object(ObjectId(1)));
+    user.harness.key_press(Key::L);
+    user.harness.step();
+    user.harness.step();
+    assert!(user.state().document.revision() > revision, "a lock is set beside the running job");
+    assert!(user.state().jobs.populating());
+}
+
+#[test]
+fn a_fault_in_a_worker_leaves_the_document_whole_and_is_said() {
+    let mut user = User::opens_the_study();
+    user.populates(2);
+    *user.engine.making.lock().unwrap() = Making::Breaks;
+    user.populates(2);
+    assert_eq!(user.people(), 2);
+    let errors = user.errors();
+    assert!(errors[0].contains("fault of the program") && errors[0].contains("index 7"), "{errors:?}");
+    *user.engine.making.lock().unwrap() = Making::Quick;
+    user.populates(1);
+    assert_eq!(user.people(), 3, "the next job works");
+}
+
+#[test]
+fn people_made_for_furniture_that_was_moved_meanwhile_are_refused() {
+    let mut user = User::opens_the_study();
+    *user.engine.making.lock().unwrap() = Making::Quick;
+    user.state().start_populating(None);
+    user.state().apply(Command::MoveObject(ObjectId(1), Affine3A::from_translation(Vec3::X)));
+    user.waits(|state| !state.jobs.populating());
+    assert_eq!(user.people(), 0);
+    assert!(user.errors()[0].contains("changed while this was being computed"), "{:?}", user.errors());
+}
+
+#[test]
+fn re_rolled_people_keep_their_name_and_number() {
+    let mut user = User::opens_the_study();
+    user.populates(2);
+    user.state().apply(Command::RenamePerson(PersonId(0), "Ada".to_owned()));
+    user.state().selection.only(Item::Person(PersonId(0)));
+    let mut moved = somebody(0);
+    moved.body.translation.x = 0.4;
+    user.state().apply(Command::SetBody(PersonId(0), moved.body));
+    user.presses(Modifiers::NONE, Key::F9);
+    user.waits(|state| !state.jobs.populating());
+    let ada = user.state().document.scene().person(PersonId(0)).cloned().unwrap();
+    assert_eq!((ada.name.as_str(), ada.body.translation.x, user.people()), ("Ada", 0.0, 2));
+}
+
+#[test]
+fn the_palette_runs_a_command_by_a_few_letters() {
+    let mut user = User::opens_the_study();
+    let grid = user.state().view.grid;
+    user.presses(Modifiers::COMMAND, Key::K);
+    user.harness.get_by_label("Command").type_text("grid");
+    user.sees();
+    user.presses(Modifiers::NONE, Key::Enter);
+    assert_ne!(user.state().view.grid, grid);
+    assert_eq!(user.state().overlay, Overlay::None);
+}
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("not read by the window".to_owned())
+    }
+}
+
+#[test]
+fn dropping_a_bad_file_names_it_and_keeps_what_was_there() {
+    let mut user = User::opens_the_study();
+    user.populates(1);
+    let file: egui::DroppedFileHandle = Arc::new(Dropped(PathBuf::from("broken.glb")));
+    user.harness.input_mut().dropped_files.push(file);
+    user.waits(|state| !state.jobs.opening() && state.notices.all().any(|(_, n)| n.text.contains("broken")));
+    assert!(user.errors()[0].contains("broken.glb, byte 0"), "{:?}", user.errors());
+    assert_eq!(user.people(), 1);
+    assert_eq!(user.state().document.scene().room.name, "Study");
+}
+
+#[test]
+fn letters_typed_into_a_field_are_no_commands() {
+    let mut user = User::opens_the_study();
+    user.populates(1);
+    user.state().selection.only(Item::Person(PersonId(0)));
+    user.presses(Modifiers { shift: true, ..Modifiers::COMMAND }, Key::O);
+    user.presses(Modifiers::NONE, Key::X);
+    assert_eq!(user.people(), 1, "X in the path field does not delete");
+    user.presses(Modifiers::NONE, Key::Escape);
+    assert_eq!(user.state().overlay, Overlay::None);
+    user.presses(Modifiers::NONE, Key::X);
+    assert_eq!(user.people(), 0, "X in the view does");
+}
+
+#[test]
+fn escape_leaves_one_thing_at_a_time_and_never_the_program() {
+    let mut user = User::opens_the_study();
+    user.populates(1);
+    user.state().selection.only(Item::Person(PersonId(0)));
+    user.presses(Modifiers::SHIFT, Key::A);
+    user.presses(Modifiers::NONE, Key::Questionmark);
+    user.presses(Modifiers::NONE, Key::Escape);
+    assert!(user.state().overlay == Overlay::None && user.state().tool == Tool::PutHere);
+    user.presses(Modifiers::NONE, Key::Escape);
+    assert!(user.state().tool == Tool::Select && !user.state().selection.is_empty());
+    user.presses(Modifiers::NONE, Key::Escape);
+    assert!(user.state().selection.is_empty());
+    user.presses(Modifiers::NONE, Key::Escape);
+    assert!(!user.state().requests.close);
+}
+
+#[test]
+fn locked_people_survive_delete_and_the_rest_goes_in_one_step() {
+    let mut user = User::opens_the_study();
+    user.populates(3);
+    user.state().apply(Command::SetPeopleLocked(vec![PersonId(1)], true));
+    user.presses(Modifiers::COMMAND, Key::A);
+    user.presses(Modifiers::NONE, Key::Delete);
+    assert_eq!(user.people(), 1);
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!(user.people(), 3);
+}
+
+#[test]
+fn the_worst_finding_is_one_key_away() {
+    let mut user = User::opens_the_study();
+    user.populates(2);
+    user.waits(EditorState::has_findings);
+    user.state().selection.clear();
+    user.presses(Modifiers::NONE, Key::N);
+    assert_eq!(user.state().selection.active_person(), Some(PersonId(0)));
+    user.presses(Modifiers::NONE, Key::N);
+    assert_eq!(user.state().selection.active_person(), Some(PersonId(1)));
+}
+
+#[test]
+fn closing_with_unsaved_people_asks_first() {
+    let mut user = User::opens_the_study();
+    user.populates(1);
+    user.presses(Modifiers::COMMAND, Key::Q);
+    assert_eq!(user.state().overlay, Overlay::Unsaved(Leaving::Quit));
+    user.harness.get_by_label("Stay").click();
+    user.sees();
+    assert!(user.state().overlay == Overlay::None && user.people() == 1);
+}
+
+/// The harness fails for a widget without a name and for a letter that no font has.
+#[test]
+fn every_page_has_names_for_its_widgets_and_letters_that_can_be_read() {
+    let mut user = User::opens_the_study();
+    user.populates(2);
+    user.waits(EditorState::has_findings);
+    user.state().notices.error("Something failed", "room.glb: why");
+    user.state().notices.warning("Something was left out");
+    let pages = [
+        Overlay::None,
+        Overlay::Palette { query: String::new(), row: 0 },
+        Overlay::Shortcuts,
+        Overlay::Help,
+        Overlay::OpenPath(String::new()),
+        Overlay::SavePath(String::new()),
+        Overlay::Import,
+        Overlay::History,
+        Overlay::Notifications,
+        Overlay::Rename(Item::Person(PersonId(0)), "Ada".to_owned()),
+        Overlay::Unsaved(Leaving::Quit),
+    ];
+    for dark in [true, false] {
+        user.state().view.dark = dark;
+        for page in pages.clone() {
+            for item in [None, Some(Item::Person(PersonId(0))), Some(Item::Object(ObjectId(1)))] {
+                user.state().selection.set(item);
+                user.state().overlay = page.clone();
+                user.harness.run_steps(2);
+            }
+        }
+    }
+}
