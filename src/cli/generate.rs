@@ -13,7 +13,7 @@ use super::progress::run_job;
 use super::report::{BodyRow, GenerateReport, Seconds, Summary};
 use super::{Common, Ended, Method, WindowArguments, use_threads};
 use crate::assets;
-use crate::evolve::{Populated, PopulateRequest, populate};
+use crate::evolve::{PopulateRequest, Populated, populate};
 use crate::job::{JobCtx, Seed};
 use crate::scene::{self, ImportOptions, Person, PoseFamily, RoomGeometry, Scene};
 
@@ -149,7 +149,11 @@ pub fn run(arguments: &GenerateArguments) -> anyhow::Result<Ended> {
     let json = serde_json::to_string_pretty(&report)?;
     folder.write("report.json", json.as_bytes())?;
     tell(arguments, &report, &folder, &json);
-    Ok(if report.findings.is_empty() && report.shortfall.is_none() { Ended::Clean } else { Ended::WithFindings })
+    Ok(if report.findings.is_empty() && report.shortfall.is_none() {
+        Ended::Clean
+    } else {
+        Ended::WithFindings
+    })
 }
 
 fn compute(arguments: &GenerateArguments, loaded: &Loaded) -> anyhow::Result<Option<Computed>> {
@@ -228,7 +232,10 @@ fn tell(arguments: &GenerateArguments, report: &GenerateReport, folder: &OutputF
             s.supported_share * 100.0,
             s.families
         );
-        println!("Written to {}: project.ron, room.glb, people/, pictures/, report.json", folder.root().display());
+        println!(
+            "Written to {}: project.ron, room.glb, people/, pictures/, report.json",
+            folder.root().display()
+        );
     }
     if let Some(shortfall) = &report.shortfall {
         eprintln!("inhabit: {shortfall}.");

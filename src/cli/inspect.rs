@@ -62,8 +62,7 @@ pub fn run(arguments: &InspectArguments) -> anyhow::Result<Ended> {
     let started = Instant::now();
     let room = loaded.room.clone();
     let work = move |cx: &JobCtx| load::geometry(&room, cx.ticker());
-    let Some(geometry) =
-        run_job("inspect", Seed::root(arguments.common.seed), arguments.common.quiet, work)?
+    let Some(geometry) = run_job("inspect", Seed::root(arguments.common.seed), arguments.common.quiet, work)?
     else {
         return Ok(Ended::Interrupted);
     };
@@ -108,7 +107,10 @@ fn surfaces(room: &Room, geometry: &RoomGeometry) -> Vec<SurfaceRow> {
 fn tell(report: &InspectReport) {
     let room = &report.room;
     let [x, y, z] = room.extent_m;
-    println!("{}: {x:.2} x {y:.2} x {z:.2} m, {} triangles, {} objects", room.path, room.triangles, room.objects);
+    println!(
+        "{}: {x:.2} x {y:.2} x {z:.2} m, {} triangles, {} objects",
+        room.path, room.triangles, room.objects
+    );
     println!("Unit: {} m, up: {}", room.unit_scale, room.up);
     if let Some(import) = &report.import {
         import.evidence.iter().chain(&import.notes).for_each(|line| println!("  {line}"));

@@ -37,7 +37,12 @@ pub fn load(path: Option<&Path>, options: &ImportOptions) -> anyhow::Result<Load
     let shown = path.display().to_string();
     let model = assets::read_model(path, &Budget::default())?;
     let imported = scene::room_from_model(&model, options);
-    Ok(Loaded { room: Arc::new(imported.room), people: Vec::new(), import: Some(imported.report), path: shown })
+    Ok(Loaded {
+        room: Arc::new(imported.room),
+        people: Vec::new(),
+        import: Some(imported.report),
+        path: shown,
+    })
 }
 
 /// `sample:living` names a bundled room.

@@ -44,7 +44,8 @@ impl OutputFolder {
         if let Some(parent) = path.parent() {
             fs::create_dir_all(parent)?;
         }
-        fs::write(&path, bytes).with_context(|| format!("can't write {}: is the disk full?", path.display()))?;
+        fs::write(&path, bytes)
+            .with_context(|| format!("can't write {}: is the disk full?", path.display()))?;
         Ok(path)
     }
 }

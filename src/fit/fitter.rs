@@ -136,7 +136,8 @@ impl<'a> Fitter<'a> {
         scratch.energy.clear();
         self.body.forward(&BodyParams::from_vector(x), subset, &mut scratch.workspace);
         for (v, position) in scratch.workspace.vertices().iter().enumerate() {
-            (scratch.distances.value[v], scratch.distances.gradient[v]) = around.field.sample_gradient(*position);
+            (scratch.distances.value[v], scratch.distances.gradient[v]) =
+                around.field.sample_gradient(*position);
         }
         match objective {
             Objective::Psi(weights) => self.psi(weights, x, start, scratch),
@@ -179,7 +180,12 @@ impl<'a> Fitter<'a> {
         }
         terms::collision(energy, distances, weights.collision);
         if *search_intrusions {
-            intrusions.update(&around.surface, &self.probe, workspace.vertices(), workspace.world_rotations());
+            intrusions.update(
+                &around.surface,
+                &self.probe,
+                workspace.vertices(),
+                workspace.world_rotations(),
+            );
         }
         intrusions.add_energy(energy, workspace.vertices(), weights.intrusion);
         let joints = workspace.joints();

@@ -18,5 +18,5 @@ pub use config::{FitConfig, FitPreset, Objective, PsiWeights, Weights};
 pub use energy::{TERMS, Term};
 pub use fitter::{Fitted, Fitter, Trace};
 pub use goals::{ContactGoal, contact_goals};
-pub use surroundings::Surroundings;
 pub use probe::{BoneSphere, Limb, bone_spheres};
+pub use surroundings::Surroundings;

@@ -139,7 +139,13 @@ fn skin_sample(template: &[Vec3]) -> Vec<u32> {
 pub fn bone_spheres(body: &Body) -> Vec<BoneSphere> {
     let joints = &body.model.joint_template;
     let spheres = BONES.iter().flat_map(|&(from, to, count, limb)| {
-        (0..count).map(move |i| BoneSphere { from, to, along: (i as f32 + 0.5) / count as f32, radius_m: 0.0, limb })
+        (0..count).map(move |i| BoneSphere {
+            from,
+            to,
+            along: (i as f32 + 0.5) / count as f32,
+            radius_m: 0.0,
+            limb,
+        })
     });
     // The middle of the skull lies above its joint: beyond the end of the neck.
     let skull = BoneSphere { from: j::NECK, to: j::HEAD, along: 1.9, radius_m: 0.0, limb: Limb::Head };

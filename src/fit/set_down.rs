@@ -16,7 +16,12 @@ const TOUCHING: f32 = 0.002;
 
 /// Moves `params` vertically so that about [`TOUCHING`] of the skin lies in something solid, where that is
 /// within reach: to less by lifting, to more by lowering.
-pub fn set_down(body: &Body, field: &SignedDistanceField, params: &mut BodyParams, workspace: &mut Workspace) {
+pub fn set_down(
+    body: &Body,
+    field: &SignedDistanceField,
+    params: &mut BodyParams,
+    workspace: &mut Workspace,
+) {
     body.forward(params, body.all_vertices(), workspace);
     let vertices = workspace.vertices();
     let most = (TOUCHING * vertices.len() as f32) as usize;

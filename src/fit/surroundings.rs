@@ -96,7 +96,8 @@ fn binned(vertices: &[Vec3]) -> HashMap<IVec3, Vec<u32>> {
 /// The vertex nearest to `point`, at most [`DEEPEST_M`] away.
 fn nearest(point: Vec3, vertices: &[Vec3], bins: &HashMap<IVec3, Vec<u32>>) -> Option<u32> {
     let center = bin(point);
-    let around = (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| IVec3::new(x, y, z))));
+    let around =
+        (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| IVec3::new(x, y, z))));
     let candidates = around.filter_map(|step| bins.get(&(center + step))).flatten();
     let mut best = (DEEPEST_M * DEEPEST_M, None);
     for v in candidates {

@@ -97,7 +97,9 @@ fn a_fit_repeats_bit_for_bit_and_leaks_nothing_from_the_body_before() {
     let config = FitConfig { iterations: 15, ..FitConfig::default() };
     let fit = |fitter: &Fitter<'_>, seed| {
         let start = random_body(seed, Vec3::new(0.0, 0.8, 0.3));
-        fitter.fit(&around, &start, PoseFamily::SitEdge, &config, &Ticker::silent(), &mut |_| ()).expect("fit")
+        fitter
+            .fit(&around, &start, PoseFamily::SitEdge, &config, &Ticker::silent(), &mut |_| ())
+            .expect("fit")
     };
     let (used, fresh) = (Fitter::new(body), Fitter::new(body));
     fit(&used, 7);
@@ -132,7 +134,8 @@ fn a_sheet_too_thin_for_the_field_is_pushed_out_of_the_body() {
     // A vertical sheet that cuts 3 cm into the belly and chest of somebody who stands.
     let front = body.model.template.iter().filter(|v| v.x.abs() < 0.1 && v.y.abs() < 0.3);
     let depth_z = front.map(|v| v.z).fold(f32::NEG_INFINITY, f32::max) + 0.8 - 0.03;
-    let steps = |low: f32, high: f32| (0..).map(move |i| low + 0.03 * i as f32).take_while(move |v| *v < high);
+    let steps =
+        |low: f32, high: f32| (0..).map(move |i| low + 0.03 * i as f32).take_while(move |v| *v < high);
     let surface: Vec<Vec3> =
         steps(-0.3, 0.3).flat_map(|x| steps(0.5, 1.4).map(move |y| Vec3::new(x, y, depth_z))).collect();
     let deepest = |params: &BodyParams| {
