@@ -2,12 +2,54 @@
 
 use std::process::ExitCode;
 
-use inhabit::cli;
+use inhabit::app::{self, AppOptions, ScreenshotPlan};
+use inhabit::cli::{self, WindowArguments};
 
 fn main() -> ExitCode {
     let arguments = cli::parse();
     match arguments.command {
         Some(command) => cli::run(command),
-        None => cli::run_without_display("not built yet", &arguments.window),
+        None => open_window(&arguments.window),
     }
+}
+
+/// The editor, or where there is no display the same job without it.
+fn open_window(window: &WindowArguments) -> ExitCode {
+    if !has_display() {
+        return cli::run_without_display("no display was found", window);
+    }
+    match app::run(options(window)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if window.screenshot.is_none() => {
+            cli::run_without_display(&format!("the window could not be opened ({error:#})"), window)
+        }
+        Err(error) => {
+            eprintln!("inhabit: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn options(window: &WindowArguments) -> AppOptions {
+    let plan = |file: &std::path::PathBuf| ScreenshotPlan {
+        file: file.clone(),
+        people: window.populate.unwrap_or(0),
+        seed: window.seed,
+        heat: window.heat,
+        select: window.select,
+        frame_selected: window.frame,
+        light: window.light,
+        overlay: window.overlay.clone(),
+    };
+    AppOptions {
+        project_or_room: window.open.clone(),
+        screenshot: window.screenshot.as_ref().map(plan),
+        ..AppOptions::default()
+    }
+}
+
+/// On Linux and the BSDs a window needs an X or Wayland server; elsewhere there is always a desktop.
+fn has_display() -> bool {
+    let set = |name: &str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
+    !cfg!(all(unix, not(target_os = "macos"))) || set("DISPLAY") || set("WAYLAND_DISPLAY")
 }

@@ -8,14 +8,17 @@ use glam::Vec3;
 
 use super::load::{self, Loaded};
 use super::output::OutputFolder;
-use super::pictures::{self, Pictures};
+use super::people::person_glb;
+use super::pictures::Photographer;
 use super::progress::run_job;
 use super::report::{BodyRow, GenerateReport, Seconds, Summary};
 use super::{Common, Ended, Method, WindowArguments, use_threads};
-use crate::assets;
+use crate::body::Body;
+use crate::document::{Project, save_project};
 use crate::evolve::{PopulateRequest, Populated, populate};
 use crate::job::{JobCtx, Seed};
-use crate::scene::{self, ImportOptions, Person, PoseFamily, RoomGeometry, Scene};
+use crate::render::BodySurface;
+use crate::scene::{Person, PoseFamily, RoomGeometry, Scene};
 
 /// How many people come when nobody says.
 const DEFAULT_PEOPLE: usize = 8;
@@ -138,14 +141,14 @@ pub fn run(arguments: &GenerateArguments) -> anyhow::Result<Ended> {
     loaded.people.extend(computed.populated.people.iter().map(|p| p.person.clone()));
     let scene = Scene { room: loaded.room.clone(), people: loaded.people.clone() };
     write_scene(&folder, &scene)?;
-    let pictures = if arguments.no_pictures {
-        Pictures::default()
+    let pictures_by = if arguments.no_pictures {
+        "nobody: --no-pictures".to_owned()
     } else {
-        pictures::write(&folder, &scene, &computed.geometry, &computed.populated, arguments.sides)?
+        photograph(&folder, &scene, &computed, arguments.sides)?
     };
     seconds.write = writing.elapsed().as_secs_f64();
     seconds.total = started.elapsed().as_secs_f64();
-    let report = report(arguments, &loaded, &computed, seconds, pictures.made_by);
+    let report = report(arguments, &loaded, &computed, seconds, pictures_by);
     let json = serde_json::to_string_pretty(&report)?;
     folder.write("report.json", json.as_bytes())?;
     tell(arguments, &report, &folder, &json);
@@ -177,10 +180,32 @@ fn compute(arguments: &GenerateArguments, loaded: &Loaded) -> anyhow::Result<Opt
     run_job("generate", Seed::root(arguments.common.seed), arguments.common.quiet, work)
 }
 
-/// Writes the project, the room and everybody in it.
+/// Writes the project with its room, and everybody in it.
 fn write_scene(folder: &OutputFolder, scene: &Scene) -> anyhow::Result<()> {
-    folder.write("room.glb", &assets::glb_from_model(&scene::model_from_room(&scene.room))?)?;
+    let next_person = scene.people.iter().map(|p| p.id.0 + 1).max().unwrap_or(0);
+    let next_object = scene.room.objects.iter().map(|o| o.id.0 + 1).max().unwrap_or(0);
+    let project = Project { scene: scene.clone(), next_person, next_object };
+    save_project(&folder.root().join("project.ron"), &project)?;
+    let surface = BodySurface::of(Body::bundled());
+    for person in &scene.people {
+        folder.write(&person_file(person), &person_glb(person, &surface)?)?;
+    }
     Ok(())
+}
+
+/// Draws the room and every new person; gives the name of what drew.
+fn photograph(
+    folder: &OutputFolder,
+    scene: &Scene,
+    computed: &Computed,
+    sides: usize,
+) -> anyhow::Result<String> {
+    let photographer = Photographer::new(folder, scene)?;
+    photographer.room()?;
+    for person in &computed.populated.people {
+        photographer.person(person, &computed.geometry, sides)?;
+    }
+    Ok(photographer.made_by())
 }
 
 fn person_file(person: &Person) -> String {

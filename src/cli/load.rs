@@ -6,6 +6,7 @@ use std::sync::Arc;
 use anyhow::Context as _;
 
 use crate::assets::{self, Budget};
+use crate::document::load_project;
 use crate::job::{Stop, Ticker};
 use crate::scene::{self, GeometryConfig, ImportOptions, ImportReport, Person, Room, RoomGeometry};
 
@@ -35,6 +36,10 @@ pub fn load(path: Option<&Path>, options: &ImportOptions) -> anyhow::Result<Load
         return sample(Some(&key), options);
     }
     let shown = path.display().to_string();
+    if is_project(path) {
+        let scene = load_project(path)?.project.scene;
+        return Ok(Loaded { room: scene.room, people: scene.people, import: None, path: shown });
+    }
     let model = assets::read_model(path, &Budget::default())?;
     let imported = scene::room_from_model(&model, options);
     Ok(Loaded {
@@ -63,9 +68,9 @@ fn sample(key: Option<&str>, options: &ImportOptions) -> anyhow::Result<Loaded> 
     Ok(Loaded { room: Arc::new(imported.room), people: Vec::new(), import: Some(imported.report), path })
 }
 
-/// Whether `path` names a bundled room.
-pub fn is_sample(path: &Path) -> bool {
-    sample_key(path).is_some()
+/// Whether `path` names a project by its ending.
+pub fn is_project(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ron") || e.eq_ignore_ascii_case("inhabit"))
 }
 
 /// Builds the room's geometry under a job's progress.

@@ -3,14 +3,17 @@
 //! The contract that scripts rely on: names of commands and fields stay as they are. Never names `app`; the
 //! window is opened by `main`, which asks [`parse`] what to do.
 
+mod convert;
 mod generate;
 mod import;
 mod inspect;
 mod load;
 mod output;
+mod people;
 mod pictures;
 mod progress;
 mod report;
+mod train;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -61,6 +64,15 @@ pub struct WindowArguments {
     /// Colour the people by penetration and contact in the picture.
     #[arg(long, requires = "screenshot")]
     pub heat: bool,
+    /// Show this in the picture: `palette`, `shortcuts`, `help`, `import` or `history`.
+    #[arg(long, value_name = "NAME", requires = "screenshot")]
+    pub overlay: Option<String>,
+    /// Zoom on the selected person.
+    #[arg(long, requires = "select")]
+    pub frame: bool,
+    /// The light theme.
+    #[arg(long, requires = "screenshot")]
+    pub light: bool,
     /// Select this person (0 is the first) in the picture.
     #[arg(long, value_name = "N", requires = "screenshot")]
     pub select: Option<usize>,
@@ -73,6 +85,10 @@ pub enum Command {
     Inspect(inspect::InspectArguments),
     /// Put people into a room and write them, a report and pictures.
     Generate(generate::GenerateArguments),
+    /// Learn from data; now the pose prior.
+    Train(train::TrainArguments),
+    /// Convert a room, layout or project to another format.
+    Convert(convert::ConvertArguments),
 }
 
 /// Options of every command.
@@ -119,6 +135,8 @@ pub fn run(command: Command) -> ExitCode {
     let result = match command {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
+        Command::Train(arguments) => train::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
     };
     exit_code(result)
 }

@@ -7,7 +7,8 @@ use super::probe::Probe;
 use super::set_down::set_down;
 use super::surroundings::{Intrusions, Surroundings};
 use super::terms::{self, Distances};
-use crate::body::{Body, Gradients, VertexSubset, Workspace};
+use crate::body::joints::BODY_JOINTS;
+use crate::body::{Body, Gradients, JointLimit, VertexSubset, Workspace, joint_limits};
 use crate::job::{Cancelled, Ticker};
 use crate::math::Adam;
 use crate::scene::{BodyParams, PARAMS, PoseFamily};
@@ -34,6 +35,7 @@ pub struct Fitter<'a> {
     body: &'a Body,
     probe: Probe,
     psi_contact: Vec<u32>,
+    limits: [JointLimit; BODY_JOINTS],
 }
 
 /// Scratch memory of one fit.
@@ -48,7 +50,7 @@ struct Scratch {
 impl<'a> Fitter<'a> {
     /// A fitter of `body`.
     pub fn new(body: &'a Body) -> Self {
-        Self { body, probe: Probe::new(body), psi_contact: body.regions.prox_sample() }
+        Self { body, probe: Probe::new(body), psi_contact: body.regions.prox_sample(), limits: joint_limits() }
     }
 
     /// Descends from `start`. `preview` gets the body every [`FitConfig::preview_every`] iterations.
@@ -191,7 +193,7 @@ impl<'a> Fitter<'a> {
         let joints = workspace.joints();
         terms::bones(energy, &self.probe, joints, &|p| around.field.sample_gradient(p), weights.bones);
         terms::self_collision(energy, &self.probe, joints, weights.self_collision);
-        terms::joint_limits(energy, workspace.local_pose(), &[], weights.joint_limits);
+        terms::joint_limits(energy, workspace.local_pose(), &self.limits, weights.joint_limits);
         if matches!(family, PoseFamily::Stand) {
             terms::balance(energy, joints, weights.balance);
         }

@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::energy::{Energy, Term};
 use super::goals::ContactGoal;
 use super::probe::Probe;
+use crate::body::JointLimit;
 use crate::body::joints as j;
 use crate::body::joints::JOINTS;
 use crate::scene::{BodyParams, PARAMS};
@@ -177,12 +178,11 @@ pub fn self_collision(energy: &mut Energy, probe: &Probe, joints: &[Vec3; JOINTS
 }
 
 /// Squared excess over the limits of each component of the body joints' axis-angles.
-pub fn joint_limits(energy: &mut Energy, local: &[Vec3; JOINTS], limits: &[(Vec3, Vec3)], weight: f32) {
-    for (i, (low, high)) in limits.iter().enumerate() {
-        let joint = i + 1;
-        let excess = (local[joint] - *high).max(Vec3::ZERO) + (local[joint] - *low).min(Vec3::ZERO);
+pub fn joint_limits(energy: &mut Energy, local: &[Vec3; JOINTS], limits: &[JointLimit], weight: f32) {
+    for (i, limit) in limits.iter().enumerate() {
+        let excess = limit.excess(local[i + 1]);
         energy.add(Term::JointLimits, weight * excess.length_squared());
-        energy.local[joint] += excess * (2.0 * weight);
+        energy.local[i + 1] += excess * (2.0 * weight);
     }
 }
 

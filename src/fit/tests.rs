@@ -129,15 +129,16 @@ fn a_cancelled_fit_stops_and_previews_show_the_body_on_its_way() {
 fn a_sheet_too_thin_for_the_field_is_pushed_out_of_the_body() {
     let (field, body) = (field(), Body::bundled());
     let fitter = Fitter::new(body);
-    let soles = body.model.template.iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
-    let start = BodyParams { translation: Vec3::new(0.0, -soles, 0.8), ..BodyParams::default() };
-    // A vertical sheet that cuts 3 cm into the belly and chest of somebody who stands.
-    let front = body.model.template.iter().filter(|v| v.x.abs() < 0.1 && v.y.abs() < 0.3);
-    let depth_z = front.map(|v| v.z).fold(f32::NEG_INFINITY, f32::max) + 0.8 - 0.03;
+    let mut start = BodyParams { translation: Vec3::new(0.0, 1.0, 0.8), ..BodyParams::default() };
+    let lowest = body.pose(&start).vertices.iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
+    start.translation.y -= lowest;
+    // A vertical sheet that cuts 3 cm into whatever of the body is foremost.
+    let foremost = body.pose(&start).vertices.iter().map(|v| v.z).fold(f32::NEG_INFINITY, f32::max);
+    let depth_z = foremost - 0.03;
     let steps =
         |low: f32, high: f32| (0..).map(move |i| low + 0.03 * i as f32).take_while(move |v| *v < high);
     let surface: Vec<Vec3> =
-        steps(-0.3, 0.3).flat_map(|x| steps(0.5, 1.4).map(move |y| Vec3::new(x, y, depth_z))).collect();
+        steps(-0.4, 0.4).flat_map(|x| steps(0.1, 1.6).map(move |y| Vec3::new(x, y, depth_z))).collect();
     let deepest = |params: &BodyParams| {
         let solid = crate::inspect::BodySolid::new(&body.pose(params).vertices, &body.model.faces);
         surface.iter().map(|p| solid.depth(*p)).fold(0.0, f32::max)

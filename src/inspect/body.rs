@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::hull::distance_to_hull;
 use super::surface::BodySolid;
-use crate::body::{Body, Region};
+use crate::body::{Body, Region, worst_excess};
 use crate::scene::{BodyParams, RoomGeometry, SignedDistanceField};
 
 /// A vertex this near to a surface touches it (Scene-Diffuser's 2 cm).
@@ -68,7 +68,7 @@ pub fn inspect_body(geometry: &RoomGeometry, body: &Body, params: &BodyParams) -
         metrics.penetration_max_mm =
             metrics.penetration_vertices_max_mm.max(metrics.penetration_surface_max_mm);
     }
-    metrics.joint_limit_deg = 0.0;
+    metrics.joint_limit_deg = worst_excess(&body.pose_space.decode(&params.pose)).0.to_degrees();
     report
 }
 
