@@ -150,10 +150,8 @@ fn with_normals(mesh: Mesh) -> Mesh {
             .sum();
         sum.normalize_or(units[t])
     };
-    let normals: Vec<[Vec3; 3]> = (0..mesh.triangles.len())
-        .into_par_iter()
-        .map(|t| std::array::from_fn(|k| normal_at(t, k)))
-        .collect();
+    let normals: Vec<[Vec3; 3]> =
+        (0..mesh.triangles.len()).into_par_iter().map(|t| std::array::from_fn(|k| normal_at(t, k))).collect();
     split_at_creases(&mesh, &normals)
 }
 
@@ -272,8 +270,7 @@ mod tests {
             .map(|i| Vec3::new((i % side) as f32, noise() * 1.5, (i / side) as f32))
             .collect();
         let quads = (0..side - 1).flat_map(|z| (0..side - 1).map(move |x| z * side + x));
-        let triangles =
-            quads.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
+        let triangles = quads.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
         let (mesh, _) = mended(Mesh { positions, triangles, ..Mesh::default() });
         assert_eq!(mesh.positions.len(), (side * side) as usize, "no vertex was split");
     }

@@ -62,8 +62,7 @@ impl Cluster {
 /// The clusters of `atoms`, each as atom numbers; ordered by their first atom, every atom in exactly one.
 pub fn clusters(model: &Model, atoms: &[Atom], world_from_file: Affine3A) -> Vec<Vec<usize>> {
     let mut roots: Vec<u32> = (0..atoms.len() as u32).collect();
-    let mut clusters: Vec<Cluster> =
-        atoms.iter().map(Cluster::of).collect();
+    let mut clusters: Vec<Cluster> = atoms.iter().map(Cluster::of).collect();
     let touching = touching(model, atoms, world_from_file);
     for _ in 0..MAX_ROUNDS {
         let mut changed = false;
