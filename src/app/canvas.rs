@@ -152,6 +152,9 @@ impl Canvas {
 
     fn draw(&mut self, state: &EditorState, wanted: &Drawn, background: [u8; 3]) {
         let started = Instant::now();
+        if self.gpu.is_none() {
+            return;
+        }
         let scene = self.scene(state, wanted, background);
         let Some(gpu) = &mut self.gpu else { return };
         match gpu.viewport.render(&gpu.context, &scene, &wanted.camera, wanted.size) {

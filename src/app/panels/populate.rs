@@ -13,10 +13,10 @@ use crate::scene::PoseFamily;
 pub fn populate(ui: &mut Ui, state: &mut EditorState) {
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         numbers(ui, state);
+        ui.add_space(2.0);
+        buttons(ui, state);
         title(ui, "What they do");
         families(ui, state);
-        ui.add_space(6.0);
-        buttons(ui, state);
     });
 }
 
