@@ -178,15 +178,11 @@ impl Reader {
             let there = u32::try_from(from_zero).ok().filter(|i| (*i as usize) < count);
             there.ok_or_else(|| Fault::out_of_range(place(), what, index.unsigned_abs() as usize, count))
         };
-        let corner = [
-            index("vertex", self.positions.len())?,
-            index("texture coordinate", self.uvs.len())?,
-            index("normal", self.normals.len())?,
-        ];
-        if corner[0] == NONE {
+        let vertex = index("vertex", self.positions.len())?;
+        if vertex == NONE {
             return Err(Fault::malformed(place(), "a corner names no vertex"));
         }
-        Ok(corner)
+        Ok([vertex, index("texture coordinate", self.uvs.len())?, index("normal", self.normals.len())?])
     }
 
     fn finish(mut self, around: Surroundings) -> Result<Model, Fault> {

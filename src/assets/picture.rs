@@ -29,7 +29,9 @@ pub(super) fn decode_all(
     let within: Vec<bool> = pictures
         .iter()
         .map(|picture| {
-            let (width, height) = sides(&picture.bytes).unwrap_or_default();
+            // One that is too large by itself is left out with its own note.
+            let decodable = sides(&picture.bytes).filter(|(w, h)| *w.max(h) <= budget.max_image_side);
+            let (width, height) = decodable.unwrap_or_default();
             pixels += u64::from(width) * u64::from(height);
             pixels <= budget.max_pixels
         })
@@ -49,7 +51,10 @@ fn reader(bytes: &[u8]) -> Option<image::ImageReader<Cursor<&[u8]>>> {
 }
 
 fn sides(bytes: &[u8]) -> Option<(u32, u32)> {
-    reader(bytes)?.into_dimensions().ok()
+    let mut reader = reader(bytes)?;
+    // Only the header is read.
+    reader.no_limits();
+    reader.into_dimensions().ok()
 }
 
 fn decode(picture: &EncodedPicture, budget: &Budget) -> Result<Texture, String> {

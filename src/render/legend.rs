@@ -41,7 +41,7 @@ pub fn draw(picture: &mut Picture) {
     let (bar_w, margin) = (14 * dot, 12 * dot);
     let bar_h = (picture.height as f32 * BAR_SHARE) as u32;
     let text_w = TICKS.iter().map(|t| t.label.len()).max().unwrap_or(0) as u32 * 6 * dot;
-    let panel = [bar_w + text_w + margin * 2, bar_h + margin * 2];
+    let panel = [bar_w + text_w + 8 * dot + margin, bar_h + margin * 2];
     if panel[0] + margin > picture.width || panel[1] + margin > picture.height || bar_h < 80 * dot {
         return;
     }
@@ -56,7 +56,7 @@ pub fn draw(picture: &mut Picture) {
     for tick in TICKS {
         let y = top + (heat_position(tick.distance_m) * (bar_h - 1) as f32) as u32;
         canvas.fill(margin + bar_w, y, 4 * dot, dot, [235; 3]);
-        canvas.text(margin + bar_w + 6 * dot, y.saturating_sub(3 * dot), tick.label);
+        canvas.text(margin + bar_w + 8 * dot, y.saturating_sub(3 * dot), tick.label);
     }
 }
 

@@ -16,8 +16,10 @@ mod light;
 mod mips;
 mod normals;
 mod painter;
+mod pick;
 mod picture;
 mod shell;
+mod views;
 
 pub use context::RenderContext;
 pub use cpu::render_on_processor;
@@ -27,4 +29,6 @@ pub use error::RenderError;
 pub use gpu::Viewport;
 pub use heat::{CONTACT_M, DEEP_END_M, FREE_END_M, HeatTick, STOPS, TICKS, heat_color, heat_position};
 pub use painter::{Backend, Painter, picture};
+pub use pick::{Pick, Picked, Picker};
 pub use picture::{MAX_SIDE, Picture, render_image};
+pub use views::{frame_bounds, person_views, room_views};

@@ -77,10 +77,11 @@ pub fn hung_inward(object: &Object, bounds: &Aabb) -> Option<(Vec3, Vec3)> {
     let (size, middle) = (own.size(), own.center());
     let axis = if size.x < size.z { 0 } else { 2 };
     let wall = (middle[axis] - bounds.min[axis]).min(bounds.max[axis] - middle[axis]);
-    if own.is_empty() || wall > SHELL_DEPTH_M {
+    let to_center = bounds.center()[axis] - middle[axis];
+    if own.is_empty() || wall > SHELL_DEPTH_M || to_center.abs() < SHELL_DEPTH_M {
         return None;
     }
     let mut inward = Vec3::ZERO;
-    inward[axis] = if bounds.center()[axis] > middle[axis] { 1.0 } else { -1.0 };
+    inward[axis] = to_center.signum();
     Some((middle, inward))
 }

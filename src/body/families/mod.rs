@@ -182,7 +182,8 @@ mod tests {
         };
         let (low, usual, high) = (knee(0.35), knee(0.45), knee(0.62));
         assert!((75.0..105.0).contains(&usual), "a chair of 45 cm bends knees by {usual} degrees");
-        assert!(low > usual + 5.0 && high < usual - 5.0, "{low}, {usual}, {high}");
+        // On a seat that is too high the feet hang, so the knees open little further.
+        assert!(low > usual + 5.0 && high < usual - 1.0, "{low}, {usual}, {high}");
     }
 
     #[test]

@@ -1,13 +1,15 @@
 //! Rays of one picture: what a point of it sees, how much light gets there, and its colour.
 
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 use super::shade::{Open, lit};
 use super::surface::{self, Surface};
-use super::world::World;
+use super::world::{Owner, World};
 use crate::render::draw::{Look, SceneDraw, Shown};
 use crate::render::light::LightRig;
-use crate::scene::Camera;
+use crate::render::mips::Level;
+use crate::scene::{Camera, Hit};
 
 /// How far a ray looks, in metres.
 const FAR_M: f32 = 500.0;
@@ -78,6 +80,8 @@ impl Seen {
 /// Casts the rays of one picture.
 pub struct Caster<'a> {
     world: &'a World<'a>,
+    /// Every size of every texture.
+    textures: Vec<Vec<Level>>,
     look: Look,
     rig: LightRig,
     camera: &'a Camera,
@@ -91,7 +95,8 @@ impl<'a> Caster<'a> {
     pub fn new(world: &'a World<'a>, draw: &SceneDraw, camera: &'a Camera, size: [u32; 2]) -> Self {
         let size = Vec2::new(size[0] as f32, size[1] as f32);
         let cut_for = draw.look.cuts(camera, &world.bounds).then(|| Look::cut_eye(camera));
-        Self { world, look: draw.look, rig: LightRig::default(), camera, size, cut_for }
+        let textures = draw.room.textures.par_iter().map(|t| Level::full(t).chain()).collect();
+        Self { world, textures, look: draw.look, rig: LightRig::default(), camera, size, cut_for }
     }
 
     /// What the point `pixel` (from the top left) sees.
@@ -100,25 +105,38 @@ impl<'a> Caster<'a> {
         let (origin, direction) = self.camera.ray(at.x, at.y, self.size.x / self.size.y);
         let mut seen = Seen { solid: None, front: Vec3::ZERO, through: 1.0, to_eye: -direction };
         let mut start_m = 0.0;
+        let mut passed = None;
         for _ in 0..MAX_LAYERS {
             let from = origin + direction * start_m;
-            let is_shown = |t: usize| !self.cut_for.is_some_and(|eye| self.world.is_cut_for(t, eye));
-            let Some(hit) = self.world.trace(from, direction, FAR_M, |h| is_shown(h.triangle)) else { break };
+            let stops =
+                |hit: &Hit| self.is_shown(hit.triangle) && !self.is_inside_ghost(hit.triangle, passed);
+            let Some(hit) = self.world.trace(from, direction, FAR_M, stops) else { break };
             let distance_m = start_m + hit.distance_m;
-            let surface = surface::at(self.world, &hit, self.footprint_m(distance_m));
-            let point = origin + direction * distance_m;
+            let surface = surface::at(self.world, &self.textures, &hit, self.footprint_m(distance_m));
+            let owner = self.world.owner_index(hit.triangle);
             if surface.alpha >= 0.99 {
-                let owner = self.world.owner_index(hit.triangle);
-                seen.solid = Some(Solid { at: point, surface, distance_m, owner, ground: false });
+                let at = origin + direction * distance_m;
+                seen.solid = Some(Solid { at, surface, distance_m, owner, ground: false });
                 return seen;
             }
             let color = lit(&self.rig, &surface, turned(surface.normal, -direction), -direction, Open::FULL);
             seen.front += color * surface.alpha * seen.through;
             seen.through *= 1.0 - surface.alpha;
-            start_m = distance_m + LIFT_M * if surface.alpha > 0.0 { 5.0 } else { 0.1 };
+            start_m = distance_m + LIFT_M;
+            passed = Some(owner);
         }
         seen.solid = self.ground(origin, direction);
         seen
+    }
+
+    fn is_shown(&self, triangle: usize) -> bool {
+        !self.cut_for.is_some_and(|eye| self.world.is_cut_for(triangle, eye))
+    }
+
+    /// Of a ghost only the front is drawn.
+    fn is_inside_ghost(&self, triangle: usize, passed: Option<usize>) -> bool {
+        passed == Some(self.world.owner_index(triangle))
+            && matches!(self.world.owner(triangle), Owner::Person(..))
     }
 
     /// Width of a pixel at a distance, in metres.

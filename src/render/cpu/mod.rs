@@ -10,6 +10,8 @@ mod shade;
 mod surface;
 mod world;
 
+pub(super) use world::{Owner, World};
+
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -20,7 +22,6 @@ use super::picture::{MAX_SIDE, Picture};
 use crate::scene::Camera;
 use cast::{Caster, Seen};
 use shade::Open;
-use world::World;
 
 /// What [`Picture::backend`] says of pictures drawn here.
 pub const BACKEND: &str = "processor (ray caster)";

@@ -30,13 +30,13 @@ pub struct Surface {
 }
 
 /// The surface at a hit; a pixel is `footprint_m` wide there.
-pub fn at(world: &World<'_>, hit: &Hit, footprint_m: f32) -> Surface {
+pub fn at(world: &World<'_>, textures: &[Vec<Level>], hit: &Hit, footprint_m: f32) -> Surface {
     let flat = world.flat_normal(hit.triangle);
     match world.owner(hit.triangle) {
         Owner::Person(dressed, t) => of_person(dressed, t, hit.barycentric, footprint_m, flat),
         Owner::Room(placed, t) => {
             let density = texture_density(placed, t, world.corners(hit.triangle));
-            of_room(world, placed, t, hit.barycentric, footprint_m * density, flat)
+            of_room(textures, placed, t, hit.barycentric, footprint_m * density, flat)
         }
     }
 }
@@ -65,7 +65,7 @@ fn of_person(dressed: &Dressed<'_>, t: usize, weights: Vec3, footprint_m: f32, f
 }
 
 fn of_room(
-    world: &World<'_>,
+    textures: &[Vec<Level>],
     placed: &Placed,
     t: usize,
     weights: Vec3,
@@ -78,7 +78,7 @@ fn of_room(
     let normal: Vec3 = (0..3).map(|c| placed.normals[t * 3 + c] * weights[c]).sum();
     let [r, g, b, mut alpha] = material.base_color;
     let mut base = Vec3::new(r, g, b);
-    if let Some(levels) = material.base_color_texture.and_then(|i| world.textures.get(i)) {
+    if let Some(levels) = material.base_color_texture.and_then(|i| textures.get(i)) {
         let uv = |v: usize| mesh.uvs.get(v).copied().unwrap_or_default();
         let at: Vec2 = (0..3).map(|c| uv(corners[c]) * weights[c]).sum();
         let (color, opacity) = sample(levels, at, footprint_uv);

@@ -3,16 +3,14 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use rayon::prelude::*;
 
 use crate::assets::{AlphaMode, Material, Mesh};
 use crate::math::Aabb;
 use crate::render::draw::{PersonDraw, SceneDraw};
 use crate::render::dress::{BodySurface, Outfit};
-use crate::render::mips::Level;
 use crate::render::normals::corner_normals;
 use crate::render::shell::{Shell, hung_inward};
-use crate::scene::{Hit, Object, ObjectPart, TriangleBvh};
+use crate::scene::{Hit, Object, ObjectId, ObjectPart, Room, TriangleBvh};
 
 /// Past a triangle that lets the ray through, the ray starts again this much farther on.
 const STEP_M: f32 = 1e-4;
@@ -22,6 +20,8 @@ const MAX_LAYERS: usize = 64;
 
 /// A mesh of the room, placed.
 pub struct Placed {
+    /// Whose part it is.
+    pub object: ObjectId,
     /// In its own frame.
     pub mesh: Arc<Mesh>,
     /// Its look.
@@ -59,34 +59,45 @@ pub struct World<'a> {
     dressed: Vec<Dressed<'a>>,
     /// Number of the first triangle of each part, then of each person.
     starts: Vec<usize>,
-    /// Every size of every texture.
-    pub textures: Vec<Vec<Level>>,
     /// The box around the room.
     pub bounds: Aabb,
+}
+
+impl World<'static> {
+    /// The visible objects of a room, without anybody in it.
+    pub fn of_room(room: &Room) -> Self {
+        Self::build(room, std::iter::empty(), None)
+    }
 }
 
 impl<'a> World<'a> {
     /// Collects everything that is visible and builds the tree.
     pub fn new(draw: &'a SceneDraw) -> Self {
-        let bounds = draw.room.bounds();
+        Self::build(&draw.room, draw.people.iter().filter(|p| p.alpha > 0.0), draw.body.as_deref())
+    }
+
+    fn build(
+        room: &Room,
+        people: impl Iterator<Item = &'a PersonDraw>,
+        body: Option<&'a BodySurface>,
+    ) -> Self {
+        let bounds = room.bounds();
         let (mut triangles, mut starts, mut placed) = (Vec::new(), Vec::new(), Vec::new());
-        for object in draw.room.objects.iter().filter(|o| o.visible) {
+        for object in room.objects.iter().filter(|o| o.visible) {
             for part in &object.parts {
                 starts.push(triangles.len());
-                placed.push(Placed::new(draw, object, part, &bounds, &mut triangles));
+                placed.push(Placed::new(room, object, part, &bounds, &mut triangles));
             }
         }
         let mut dressed = Vec::new();
-        for person in draw.people.iter().filter(|p| p.alpha > 0.0) {
-            let Some(body) = draw.body.as_deref() else { break };
+        for (person, body) in people.filter_map(|p| body.map(|b| (p, b))) {
             starts.push(triangles.len());
             let corner = |v: u32| person.vertices[v as usize];
             triangles.extend(body.triangles().iter().map(|t| t.map(corner)));
             let outfit = Outfit::from_palette(person.palette);
             dressed.push(Dressed { person, outfit, body, normals: body.normals(&person.vertices) });
         }
-        let textures = draw.room.textures.par_iter().map(|t| Level::full(t).chain()).collect();
-        Self { tree: TriangleBvh::new(triangles), placed, dressed, starts, textures, bounds }
+        Self { tree: TriangleBvh::new(triangles), placed, dressed, starts, bounds }
     }
 
     /// Whose a triangle is.
@@ -158,7 +169,7 @@ impl<'a> World<'a> {
 
 impl Placed {
     fn new(
-        draw: &SceneDraw,
+        room: &Room,
         object: &Object,
         part: &ObjectPart,
         bounds: &Aabb,
@@ -171,7 +182,8 @@ impl Placed {
         let normals = corner_normals(&part.mesh).into_iter();
         Self {
             mesh: Arc::clone(&part.mesh),
-            material: draw.room.materials.get(part.material).cloned().unwrap_or_default(),
+            object: object.id,
+            material: room.materials.get(part.material).cloned().unwrap_or_default(),
             normals: normals.map(|n| (cofactor * n).normalize_or(n)).collect(),
             shell: Shell::of(object, bounds),
             hung: hung_inward(object, bounds),

@@ -1,6 +1,8 @@
 //! Makes a room of a model: finds its unit, its up axis and its floor, what its objects are and which parts
 //! belong together. Pure: a [`Model`] in, a [`Room`] and a report in words out. May not drop a triangle.
 
+mod atoms;
+mod cluster;
 mod measure;
 mod names;
 mod objects;
@@ -92,3 +94,6 @@ pub fn room_from_model(model: &Model, options: &ImportOptions) -> Imported {
     };
     Imported { room, report }
 }
+
+#[cfg(test)]
+mod tests;

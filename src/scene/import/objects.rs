@@ -1,26 +1,32 @@
-//! Which parts belong together, what each thing is, where it stands.
+//! The room's objects: which atoms each is made of, what it is and what it is called.
+
+use std::collections::{BTreeMap, HashMap};
 
 use glam::{Affine3A, Mat3, Vec3};
 
-use super::names;
+use super::atoms::{Atom, Piece, atoms, mesh_of};
+use super::cluster::clusters;
 use super::shape::{self, Shape, Surrounding};
 use super::upright::Stance;
-use crate::assets::{Model, Part};
+use crate::assets::Model;
 use crate::math::Aabb;
 use crate::scene::{Category, Object, ObjectId, ObjectPart, Room};
 
 /// The room of `model`, standing as `stance` says.
 pub fn room(model: &Model, stance: &Stance) -> Room {
+    let atoms = atoms(model, stance.world_from_file);
+    let mut names = HashMap::new();
     let mut objects: Vec<Object> = Vec::new();
-    for group in groups(model) {
-        objects.push(object(model, &group, stance, objects.len()));
+    for (number, members) in clusters(model, &atoms, stance.world_from_file).iter().enumerate() {
+        let members: Vec<&Atom> = members.iter().map(|&m| &atoms[m]).collect();
+        let name = unique(&mut names, name(model, &members).unwrap_or_else(|| format!("object {number}")));
+        objects.push(object(model, &members, stance, ObjectId(number as u32), name));
     }
-    let bounds = Aabb::of(objects.iter().map(Object::world_bounds).flat_map(|b| [b.min, b.max]));
+    let bounds = atoms.iter().fold(Aabb::EMPTY, |all, atom| all.union(atom.bounds));
     let around = Surrounding { bounds, ceiling_m: stance.ceiling_m.unwrap_or(bounds.max.y) };
-    for object in &mut objects {
-        if object.category == Category::Unlabeled {
-            object.category = shape::category(&Shape::of(object.world_triangles()), &around);
-        }
+    for object in objects.iter_mut().filter(|o| o.category == Category::Unlabeled) {
+        object.category = shape::category(&Shape::of(object.world_triangles()), &around);
+        object.locked = object.category.is_structure();
     }
     Room {
         name: model.name.rsplit_once('.').map_or(model.name.as_str(), |(stem, _)| stem).to_string(),
@@ -30,67 +36,62 @@ pub fn room(model: &Model, stance: &Stance) -> Room {
     }
 }
 
-/// Parts of one node, in the order of the file.
-fn groups(model: &Model) -> Vec<Vec<&Part>> {
-    let mut order: Vec<usize> = Vec::new();
-    let mut by_node: std::collections::HashMap<usize, Vec<&Part>> = std::collections::HashMap::new();
-    for part in &model.parts {
-        by_node.entry(part.node).or_insert_with(|| {
-            order.push(part.node);
-            Vec::new()
-        });
-        by_node.entry(part.node).or_default().push(part);
-    }
-    order.iter().filter_map(|node| by_node.remove(node)).collect()
+/// The name of the member that says what it is, else of the largest.
+fn name(model: &Model, members: &[&Atom]) -> Option<String> {
+    let largest = |a: &&&Atom, b: &&&Atom| a.area.total_cmp(&b.area);
+    let telling = members.iter().filter(|a| a.category.is_some()).max_by(largest);
+    let atom = telling.or_else(|| members.iter().max_by(largest))?;
+    let name = &model.parts[atom.pieces.first()?.part].name;
+    (!name.is_empty()).then(|| name.clone())
 }
 
-fn object(model: &Model, parts: &[&Part], stance: &Stance, number: usize) -> Object {
-    let first = parts.first();
-    let name = first.map_or("", |p| p.name.as_str());
-    let stated = first.and_then(|p| stated_category(p));
-    let named = stated.or_else(|| names::category(name)).or_else(|| material_category(model, parts));
-    let world_bounds = Aabb::of(parts.iter().flat_map(|p| {
-        let world_from_mesh = stance.world_from_file * p.file_from_mesh;
-        p.mesh.positions.iter().map(move |v| world_from_mesh.transform_point3(*v))
-    }));
-    let centre = world_bounds.center();
-    let origin = Vec3::new(centre.x, world_bounds.min.y, centre.z);
+/// `name`, numbered when it was used before.
+fn unique(used: &mut HashMap<String, usize>, name: String) -> String {
+    let times = used.entry(name.clone()).or_insert(0);
+    *times += 1;
+    if *times == 1 { name } else { format!("{name} {times}") }
+}
+
+/// One piece for each part, in the order of the file; whole where all of a part's triangles are there.
+fn whole_pieces(model: &Model, members: &[&Atom]) -> Vec<Piece> {
+    let mut of_part: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+    for piece in members.iter().flat_map(|atom| &atom.pieces) {
+        let all = 0..model.parts[piece.part].mesh.triangles.len() as u32;
+        let triangles = piece.triangles.clone().unwrap_or_else(|| all.collect());
+        of_part.entry(piece.part).or_default().extend(triangles);
+    }
+    let whole = |part: usize, triangles: &[u32]| triangles.len() == model.parts[part].mesh.triangles.len();
+    of_part
+        .into_iter()
+        .map(|(part, mut triangles)| {
+            triangles.sort_unstable();
+            let triangles = (!whole(part, &triangles)).then_some(triangles);
+            Piece { part, triangles }
+        })
+        .collect()
+}
+
+fn object(model: &Model, members: &[&Atom], stance: &Stance, id: ObjectId, name: String) -> Object {
+    let category = members.iter().find_map(|a| a.category);
+    let bounds = members.iter().fold(Aabb::EMPTY, |all, atom| all.union(atom.bounds));
+    let centre = bounds.center();
+    let origin = Vec3::new(centre.x, bounds.min.y, centre.z);
     let object_from_file = Affine3A::from_mat3_translation(Mat3::IDENTITY, -origin) * stance.world_from_file;
+    let parts = whole_pieces(model, members).into_iter().map(|piece| {
+        let part = &model.parts[piece.part];
+        ObjectPart {
+            mesh: mesh_of(part, &piece),
+            material: part.material,
+            object_from_mesh: object_from_file * part.file_from_mesh,
+        }
+    });
     Object {
-        id: ObjectId(number as u32),
-        name: if name.is_empty() { format!("object {number}") } else { name.to_string() },
-        category: named.unwrap_or_default(),
-        parts: parts
-            .iter()
-            .map(|p| ObjectPart {
-                mesh: p.mesh.clone(),
-                material: p.material,
-                object_from_mesh: object_from_file * p.file_from_mesh,
-            })
-            .collect(),
+        id,
+        name,
+        category: category.unwrap_or_default(),
+        parts: parts.collect(),
         world_from_object: Affine3A::from_translation(origin),
         visible: true,
-        locked: named.is_some_and(Category::is_structure),
+        locked: category.is_some_and(Category::is_structure),
     }
-}
-
-/// The category that a node's extras state.
-fn stated_category(part: &Part) -> Option<Category> {
-    let extras: serde_json::Value = serde_json::from_str(part.extras.as_deref()?).ok()?;
-    Category::from_label(extras.get("category")?.as_str()?)
-}
-
-/// What all materials of a thing say, if they agree.
-fn material_category(model: &Model, parts: &[&Part]) -> Option<Category> {
-    // Glass, paper and light are what many things are made of.
-    let vague = |c: &Category| {
-        matches!(
-            c,
-            Category::Objects | Category::Misc | Category::Clothes | Category::Picture | Category::Lighting
-        )
-    };
-    let named = parts.iter().filter_map(|p| names::category(&model.materials.get(p.material)?.name));
-    let mut found = named.filter(|c| !vague(c));
-    let first = found.next()?;
-    found.all(|c| c == first).then_some(first)
 }

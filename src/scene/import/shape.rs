@@ -98,6 +98,10 @@ fn structure(shape: &Shape, around: &Surrounding) -> Option<Category> {
     if covers > 0.3 && bottom > 0.75 * around.ceiling_m {
         return Some(Category::Ceiling);
     }
+    // Skirting boards.
+    if short < 0.06 && size.y < 0.3 && bottom.abs() < 0.1 && long > 0.15 {
+        return Some(Category::Wall);
+    }
     let high = size.y > 0.7 * around.ceiling_m.min(3.0);
     if high && short < 0.4 && long > 0.8 {
         return Some(Category::Wall);

@@ -70,8 +70,6 @@ pub struct Stance {
     pub centre_m: Vec3,
     /// From the file's frame to the world's.
     pub world_from_file: Affine3A,
-    /// Whether it looks like a room at all.
-    pub is_room: bool,
     pub evidence: Vec<String>,
 }
 
@@ -148,7 +146,7 @@ pub fn stance(model: &Model, options: &ImportOptions) -> Stance {
     let ceiling_m = heights.ceiling.map(|bin| profile.height_of(bin) * unit_scale - floor_m);
     let translation = Vec3::new(-centre_m.x, -floor_m, -centre_m.z);
     let world_from_file = Affine3A::from_mat3_translation(rotation * unit_scale, translation);
-    Stance { up, unit, unit_scale, floor_m, ceiling_m, centre_m, world_from_file, is_room, evidence }
+    Stance { up, unit, unit_scale, floor_m, ceiling_m, centre_m, world_from_file, evidence }
 }
 
 fn is_gltf(model: &Model) -> bool {
