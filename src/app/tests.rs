@@ -98,7 +98,8 @@ impl Engine for FakeEngine {
             triangles: 4,
             objects: 2,
             extent_m: room.bounds().size(),
-            notes: vec!["The unit is the metre.".to_owned()],
+            evidence: vec!["The unit is the metre.".to_owned()],
+            notes: vec!["One empty mesh was left out.".to_owned()],
         };
         Ok(Opened { scene: Scene { room: Arc::new(room), people: Vec::new() }, summary, project: None })
     }

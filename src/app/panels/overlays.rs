@@ -329,6 +329,12 @@ fn import_report(ui: &mut Ui, state: &mut EditorState) {
         ui.weak(path.display().to_string());
         import_choice(ui, state, &summary, path, choice);
     }
+    if !summary.evidence.is_empty() {
+        super::title(ui, "How it was understood");
+    }
+    for line in &summary.evidence {
+        ui.label(line);
+    }
     super::title(ui, "Remarks");
     if summary.notes.is_empty() {
         ui.weak("None: everything in the file was understood.");

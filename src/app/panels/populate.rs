@@ -85,7 +85,7 @@ fn buttons(ui: &mut Ui, state: &mut EditorState) {
     }
     ui.horizontal(|ui| {
         let placing = state.tool == Tool::PutHere;
-        let button = Button::selectable(placing, "Put somebody here").frame(true);
+        let button = Button::new("Put somebody here").selected(placing);
         if ui.add_enabled(ready, button).on_hover_text("Then click a spot (Shift+A)").clicked() {
             actions::put_here(state);
         }
