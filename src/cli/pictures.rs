@@ -9,7 +9,7 @@ use crate::evolve::PopulatedPerson;
 use crate::render::{
     Backend, BodySurface, Cutaway, Painter, PersonDraw, Picture, SceneDraw, person_views, room_views,
 };
-use crate::scene::{Camera, Person, RoomGeometry, Scene};
+use crate::scene::{Camera, Person, PersonId, RoomGeometry, Scene};
 
 /// Size of the overview pictures.
 const ROOM_SIZE: [u32; 2] = [1280, 800];
@@ -70,13 +70,13 @@ impl<'a> Photographer<'a> {
         let vertices = &self.draw.people[index].vertices;
         let views: Vec<Camera> = person_views(vertices, &geometry.bvh, sides.max(2), 1.0);
         for (i, camera) in views.iter().enumerate() {
-            let picture = self.painter.picture(&self.draw, camera, PERSON_SIZE)?;
+            let picture = self.painter.picture(&in_view_of(&self.draw, id, camera), camera, PERSON_SIZE)?;
             self.save(&format!("person_{:03}_side{i}", id.0), &picture)?;
         }
         let mut heat = self.draw.clone();
         heat.people[index].heat = Some(person.report.signed_distances_m.clone().into());
         if let Some(camera) = views.first() {
-            let picture = self.painter.picture(&heat, camera, PERSON_SIZE)?;
+            let picture = self.painter.picture(&in_view_of(&heat, id, camera), camera, PERSON_SIZE)?;
             self.save(&format!("person_{:03}_heat", id.0), &picture)?;
         }
         Ok(())
@@ -87,4 +87,16 @@ impl<'a> Photographer<'a> {
         self.folder.write(&format!("pictures/{name}.png"), &png)?;
         Ok(())
     }
+}
+
+/// The scene without the people who stand between the camera and the person it looks at.
+fn in_view_of(draw: &SceneDraw, person: PersonId, camera: &Camera) -> SceneDraw {
+    let nearest_m = |p: &PersonDraw| {
+        let ahead = p.vertices.iter().map(|v| (*v - camera.eye).dot(camera.forward()));
+        ahead.fold(f32::INFINITY, f32::min)
+    };
+    let limit = draw.people.iter().find(|p| p.id == person).map_or(0.0, nearest_m);
+    let mut draw = draw.clone();
+    draw.people.retain(|p| p.id == person || nearest_m(p) > limit);
+    draw
 }

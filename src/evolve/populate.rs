@@ -17,11 +17,9 @@ use crate::math::Aabb;
 use crate::scene::{BodyParams, Person, PersonId, PoseFamily, Room, RoomGeometry};
 
 /// Proposals fitted for each person asked for, in each round: some fail, and choice makes variety.
-const PROPOSALS_PER_PERSON: usize = 3;
+const PROPOSALS_PER_PERSON: usize = 2;
 /// Rounds of proposing and fitting before fewer people than asked for are reported.
 const ROUNDS: u64 = 4;
-/// Clothes palettes that the renderer tells apart.
-const PALETTES: u64 = 1 << 16;
 
 /// Who should be put in.
 #[derive(Clone, Debug)]
@@ -267,7 +265,7 @@ fn person(proposal: &Proposal, body: BodyParams, id: u32) -> Person {
         family: proposal.family,
         on: proposal.on.clone(),
         seed: proposal.seed.value(),
-        palette: (proposal.seed.child("palette", 0).value() % PALETTES) as u32,
+        palette: id,
         visible: true,
         locked: false,
     }

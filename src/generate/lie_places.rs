@@ -14,6 +14,8 @@ const HEIGHT_M: std::ops::RangeInclusive<f32> = 0.12..=0.85;
 const HALF_SIZE_M: Vec2 = Vec2::new(0.78, 0.2);
 /// Share of it that must be covered: feet may hang over an end.
 const LEAST_COVERAGE: f32 = 0.9;
+/// A back of a bed at least this long is its headboard or the wall behind it.
+const HEADBOARD_M: f32 = 0.6;
 /// From the middle of a lying body to its pelvis, towards the feet.
 const MIDDLE_TO_PELVIS_M: f32 = 0.05;
 
@@ -28,7 +30,7 @@ pub fn lie_places(room: &Room, geometry: &RoomGeometry, index: usize, cells: &Ce
     }
     let mut places = Vec::new();
     for cell in surface.cells.iter().step_by(5).map(|c| c.position) {
-        for head in main_directions(surface) {
+        for head in head_directions(surface, category) {
             let coverage = cells.coverage(flat(cell), head, HALF_SIZE_M);
             let pelvis = flat(cell) - head * MIDDLE_TO_PELVIS_M;
             let Some(under_pelvis) = cells.point_at(pelvis).filter(|_| coverage >= LEAST_COVERAGE) else {
@@ -52,6 +54,13 @@ pub fn lie_places(room: &Room, geometry: &RoomGeometry, index: usize, cells: &Ce
         }
     }
     places
+}
+
+/// Both ways along a bed as its headboard tells, or along the longer side of anything else.
+fn head_directions(surface: &SupportSurface, category: Category) -> [Vec2; 2] {
+    let headboard = surface.backs.iter().find(|b| category == Category::Bed && b.length_m > HEADBOARD_M);
+    let head = headboard.map_or(main_directions(surface)[0], |b| flat(b.direction).normalize_or(Vec2::X));
+    [head, -head]
 }
 
 /// The head goes where the headboard or armrest is.
