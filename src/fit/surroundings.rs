@@ -1,9 +1,7 @@
 //! What a fit knows of the room: the distance field, and points on the surfaces near the body. The field
 //! can't tell a limb that a thin sheet cuts through from one beside it; the points can.
 
-use std::collections::HashMap;
-
-use glam::{IVec3, Mat3, Vec3};
+use glam::{Mat3, Vec3};
 
 use super::energy::{Energy, Term};
 use super::probe::Probe;
@@ -56,9 +54,9 @@ impl Intrusions {
             return;
         }
         let bounds = Aabb::of(vertices.iter().copied());
-        let bins = binned(vertices);
+        let bins = Bins::new(vertices, &bounds);
         for point in surface.iter().filter(|p| bounds.contains(**p)) {
-            let Some(vertex) = nearest(*point, vertices, &bins) else { continue };
+            let Some(vertex) = bins.nearest(*point, vertices) else { continue };
             let (joint, rest_normal) = probe.rest_normals[vertex as usize];
             let normal = rotations[joint] * rest_normal;
             if (*point - vertices[vertex as usize]).dot(normal) < 0.0 {
@@ -81,30 +79,60 @@ impl Intrusions {
     }
 }
 
-fn bin(p: Vec3) -> IVec3 {
-    (p / DEEPEST_M).floor().as_ivec3()
+/// Vertices sorted into cubes of side [`DEEPEST_M`], so that all within that distance lie in the cubes around.
+struct Bins {
+    origin: Vec3,
+    dim: [usize; 3],
+    /// First item of each cube, and one past the last; cubes in z, y, x order, z fastest.
+    start: Vec<u32>,
+    items: Vec<u32>,
 }
 
-fn binned(vertices: &[Vec3]) -> HashMap<IVec3, Vec<u32>> {
-    let mut bins: HashMap<IVec3, Vec<u32>> = HashMap::new();
-    for (i, v) in vertices.iter().enumerate() {
-        bins.entry(bin(*v)).or_default().push(i as u32);
-    }
-    bins
-}
-
-/// The vertex nearest to `point`, at most [`DEEPEST_M`] away.
-fn nearest(point: Vec3, vertices: &[Vec3], bins: &HashMap<IVec3, Vec<u32>>) -> Option<u32> {
-    let center = bin(point);
-    let around =
-        (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| IVec3::new(x, y, z))));
-    let candidates = around.filter_map(|step| bins.get(&(center + step))).flatten();
-    let mut best = (DEEPEST_M * DEEPEST_M, None);
-    for v in candidates {
-        let squared = vertices[*v as usize].distance_squared(point);
-        if squared < best.0 {
-            best = (squared, Some(*v));
+impl Bins {
+    fn new(vertices: &[Vec3], bounds: &Aabb) -> Self {
+        let dim = ((bounds.size() / DEEPEST_M).floor() + Vec3::ONE).as_uvec3().to_array().map(|n| n as usize);
+        let mut bins = Self { origin: bounds.min, dim, start: Vec::new(), items: Vec::new() };
+        let cubes: Vec<usize> = vertices.iter().map(|v| bins.index(bins.cube(*v))).collect();
+        bins.start = vec![0; dim.iter().product::<usize>() + 1];
+        cubes.iter().for_each(|cube| bins.start[cube + 1] += 1);
+        for i in 1..bins.start.len() {
+            bins.start[i] += bins.start[i - 1];
         }
+        let mut next = bins.start.clone();
+        bins.items = vec![0; vertices.len()];
+        for (vertex, cube) in cubes.into_iter().enumerate() {
+            bins.items[next[cube] as usize] = vertex as u32;
+            next[cube] += 1;
+        }
+        bins
     }
-    best.1
+
+    fn cube(&self, p: Vec3) -> [usize; 3] {
+        let place = ((p - self.origin) / DEEPEST_M).max(Vec3::ZERO).as_uvec3().to_array();
+        std::array::from_fn(|axis| (place[axis] as usize).min(self.dim[axis] - 1))
+    }
+
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        (x * self.dim[1] + y) * self.dim[2] + z
+    }
+
+    /// The vertex nearest to `point`, at most [`DEEPEST_M`] away.
+    fn nearest(&self, point: Vec3, vertices: &[Vec3]) -> Option<u32> {
+        let center = self.cube(point);
+        let range = |axis: usize| center[axis].saturating_sub(1)..=(center[axis] + 1).min(self.dim[axis] - 1);
+        let mut best = (DEEPEST_M * DEEPEST_M, None);
+        for x in range(0) {
+            for y in range(1) {
+                let run = range(2);
+                let (first, last) = (self.index([x, y, *run.start()]), self.index([x, y, *run.end()]));
+                for v in &self.items[self.start[first] as usize..self.start[last + 1] as usize] {
+                    let squared = vertices[*v as usize].distance_squared(point);
+                    if squared < best.0 {
+                        best = (squared, Some(*v));
+                    }
+                }
+            }
+        }
+        best.1
+    }
 }
