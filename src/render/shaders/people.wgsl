@@ -28,7 +28,8 @@ struct Varying {
 
 @vertex
 fn vs(v: Vertex) -> Varying {
-    return Varying(frame.clip_from_world * vec4f(v.position, 1.0), v.position, v.normal, v.rest, v.heat);
+    return Varying(frame.clip_from_world * vec4f(v.position, 1.0), v.position, v.normal, v.rest,
+        vec4f(pow(v.heat.rgb, vec3f(2.2)), 1.0));
 }
 
 @vertex
@@ -107,7 +108,7 @@ fn shaded(v: Varying, width: f32) -> vec4f {
     let painted = person.cut.w > 0.5;
     let part = v.rest.w;
     let skin = !painted && part < 0.5;
-    let base = select(dressed(v.rest.xyz, part, width), pow(v.heat.rgb, vec3f(2.2)), painted);
+    let base = select(dressed(v.rest.xyz, part, width), v.heat.rgb, painted);
     let eye_gloss = select(0.72, 0.15, part > 0.5 && !painted);
     let s = Surface(base, vec3f(0.0), 0.0, eye_gloss, select(0.4, 1.0, skin));
     return lit(s, v.world, n);
