@@ -297,7 +297,11 @@ impl<'a> Recipe<'a> {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: self.buffers,
             },
-            primitive: wgpu::PrimitiveState { topology, cull_mode: self.cull, ..wgpu::PrimitiveState::default() },
+            primitive: wgpu::PrimitiveState {
+                topology,
+                cull_mode: self.cull,
+                ..wgpu::PrimitiveState::default()
+            },
             depth_stencil: depth.state(),
             multisample: wgpu::MultisampleState {
                 count: paint.samples(),
