@@ -7,7 +7,7 @@ mod test_room;
 use divan::{Bencher, black_box};
 use glam::Vec3;
 use inhabit::body::Body;
-use inhabit::fit::{FitConfig, FitPreset, Fitter};
+use inhabit::fit::{FitConfig, FitPreset, Fitter, Surroundings};
 use inhabit::job::Ticker;
 use inhabit::scene::{BodyParams, PoseFamily, SignedDistanceField};
 
@@ -42,10 +42,11 @@ const PRESETS: [FitPreset; 4] =
 #[divan::bench(args = [FitPreset::PsiProxe, FitPreset::Rescue])]
 fn one_iteration(bencher: Bencher<'_, '_>, preset: FitPreset) {
     let (field, fitter) = (field(), Fitter::new(Body::bundled()));
+    let around = Surroundings::of_field(&field);
     let config = FitConfig { iterations: 1, ..preset.into() };
     let start = start();
     bencher.bench_local(|| {
-        fitter.fit(&field, black_box(&start), PoseFamily::SitSofa, &config, &Ticker::silent(), &mut |_| ())
+        fitter.fit(&around, black_box(&start), PoseFamily::SitSofa, &config, &Ticker::silent(), &mut |_| ())
     });
 }
 
@@ -53,8 +54,9 @@ fn one_iteration(bencher: Bencher<'_, '_>, preset: FitPreset) {
 #[divan::bench(args = PRESETS, sample_count = 20)]
 fn whole_fit(bencher: Bencher<'_, '_>, preset: FitPreset) {
     let (field, fitter) = (field(), Fitter::new(Body::bundled()));
+    let around = Surroundings::of_field(&field);
     let (config, start) = (FitConfig::from(preset), start());
     bencher.bench_local(|| {
-        fitter.fit(&field, black_box(&start), PoseFamily::SitSofa, &config, &Ticker::silent(), &mut |_| ())
+        fitter.fit(&around, black_box(&start), PoseFamily::SitSofa, &config, &Ticker::silent(), &mut |_| ())
     });
 }

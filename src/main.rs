@@ -1,2 +1,13 @@
 //! Arguments to the command line or the window; nothing else.
-fn main() {}
+
+use std::process::ExitCode;
+
+use inhabit::cli;
+
+fn main() -> ExitCode {
+    let arguments = cli::parse();
+    match arguments.command {
+        Some(command) => cli::run(command),
+        None => cli::run_without_display("not built yet", &arguments.window),
+    }
+}

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use egui::{Color32, Rect, TextureId, Ui, pos2};
 use glam::Vec3;
@@ -29,6 +29,10 @@ use crate::scene::Room;
 
 /// How much of a ghost is seen.
 const GHOST_ALPHA: f32 = 0.45;
+/// Ghosts are drawn this often on a software adapter.
+const GHOSTS_EVERY: Duration = Duration::from_millis(500);
+/// After this long without a move the picture is drawn at full quality.
+const REST: Duration = Duration::from_millis(250);
 /// Numbers of ghosts lie apart from those of people, who count from 0.
 const GHOST_IDS: u32 = 1 << 31;
 
@@ -62,6 +66,7 @@ pub struct Canvas {
     posed: BTreeMap<u32, Posed>,
     filtered: Option<FilteredRoom>,
     drawn: Option<Drawn>,
+    drawn_at: Option<Instant>,
     frame_ms: f32,
 }
 
@@ -115,7 +120,8 @@ impl Canvas {
         }
         let scale = ui.ctx().pixels_per_point();
         let size = [(rect.width() * scale).round() as u32, (rect.height() * scale).round() as u32];
-        let moving = ui.input(|i| i.pointer.any_down() || i.smooth_scroll_delta.y != 0.0);
+        let slow = self.gpu.as_ref().is_some_and(|gpu| gpu.context.is_software());
+        let moving = slow && (is_moving(ui) || state.jobs.populating());
         let wanted = Drawn {
             camera: state.orbit.camera(),
             size: size.map(|side| side.max(1)),
@@ -127,15 +133,27 @@ impl Canvas {
             view: state.view.clone(),
             moving,
         };
-        if self.drawn.as_ref() != Some(&wanted) {
+        if let Some(rest) = self.ghosts_may_wait(&wanted, slow) {
+            ui.ctx().request_repaint_after(rest);
+        } else if self.drawn.as_ref() != Some(&wanted) {
             self.draw(state, &wanted, background);
             self.drawn = Some(wanted);
-            if moving {
-                // One more picture at full quality once the mouse rests.
-                ui.ctx().request_repaint();
-            }
+            self.drawn_at = Some(Instant::now());
+        }
+        if moving {
+            // One more picture at full quality once all rests.
+            ui.ctx().request_repaint_after(REST);
         }
         self.paint(ui, rect);
+    }
+
+    /// How long ghosts that have moved may wait for a new picture: on a software adapter drawing each of
+    /// their steps would take the processor from the fit itself. `None` when something else has changed.
+    fn ghosts_may_wait(&self, wanted: &Drawn, slow: bool) -> Option<Duration> {
+        let drawn = self.drawn.as_ref().filter(|drawn| slow && drawn.ghosts != wanted.ghosts)?;
+        let as_drawn = Drawn { ghosts: drawn.ghosts.clone(), ..wanted.clone() };
+        let rest = GHOSTS_EVERY.checked_sub(self.drawn_at?.elapsed())?;
+        (*drawn == as_drawn && !wanted.ghosts.is_empty()).then_some(rest)
     }
 
     fn paint(&self, ui: &Ui, rect: Rect) {
@@ -152,6 +170,9 @@ impl Canvas {
 
     fn draw(&mut self, state: &EditorState, wanted: &Drawn, background: [u8; 3]) {
         let started = Instant::now();
+        if self.gpu.is_none() {
+            return;
+        }
         let scene = self.scene(state, wanted, background);
         let Some(gpu) = &mut self.gpu else { return };
         match gpu.viewport.render(&gpu.context, &scene, &wanted.camera, wanted.size) {
@@ -165,11 +186,10 @@ impl Canvas {
     }
 
     fn scene(&mut self, state: &EditorState, wanted: &Drawn, background: [u8; 3]) -> SceneDraw {
-        let slow = self.gpu.as_ref().is_some_and(|gpu| gpu.context.is_software());
         let surface = self.surface.get_or_insert_with(|| state.engine().surface()).clone();
         let yes_no = |yes: bool| if yes { Shown::Yes } else { Shown::No };
         let look = Look {
-            quality: if slow && wanted.moving { Quality::Low } else { Quality::High },
+            quality: if wanted.moving { Quality::Low } else { Quality::High },
             cutaway: if state.view.cutaway { Cutaway::Outside } else { Cutaway::Off },
             grid: yes_no(state.view.grid),
             legend: Shown::No,
@@ -239,6 +259,11 @@ impl Canvas {
             Some(FilteredRoom { of: room.clone(), view: Some(only.clone()), room: shown.clone() });
         shown
     }
+}
+
+/// Whether the mouse does something, so that pictures have to be quick rather than fine.
+fn is_moving(ui: &Ui) -> bool {
+    ui.input(|i| i.pointer.any_down() || i.pointer.is_moving() || i.smooth_scroll_delta.y != 0.0)
 }
 
 impl Gpu {

@@ -54,7 +54,9 @@ pub struct ImportSummary {
     pub objects: usize,
     /// Size in metres.
     pub extent_m: Vec3,
-    /// What was dropped, mended, guessed or ignored.
+    /// Why unit, up axis and floor are what they are.
+    pub evidence: Vec<String>,
+    /// What was dropped, mended or ignored.
     pub notes: Vec<String>,
 }
 

@@ -138,6 +138,7 @@ fn open_project(path: &Path, source: &Source) -> Result<Opened, Stop> {
         triangles: scene.room.triangle_count(),
         objects: scene.room.objects.len(),
         extent_m: size_m(&scene.room),
+        evidence: Vec::new(),
         notes: loaded.notes,
     };
     let project = Some(OpenedProject { path: path.to_path_buf(), next_person, next_object });
@@ -157,7 +158,8 @@ fn understood(model: &Model, source: &Source, choice: ImportChoice) -> Opened {
         triangles: report.triangles,
         objects: report.objects,
         extent_m: Vec3::from_array(report.extent_m),
-        notes: report.evidence.into_iter().chain(report.notes).collect(),
+        evidence: report.evidence,
+        notes: report.notes,
     };
     let scene = Scene { room: Arc::new(imported.room), people: Vec::new() };
     Opened { scene, summary, project: None }

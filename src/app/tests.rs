@@ -98,7 +98,8 @@ impl Engine for FakeEngine {
             triangles: 4,
             objects: 2,
             extent_m: room.bounds().size(),
-            notes: vec!["The unit is the metre.".to_owned()],
+            evidence: vec!["The unit is the metre.".to_owned()],
+            notes: vec!["One empty mesh was left out.".to_owned()],
         };
         Ok(Opened { scene: Scene { room: Arc::new(room), people: Vec::new() }, summary, project: None })
     }
@@ -167,7 +168,7 @@ impl User {
         let engine = Arc::new(FakeEngine::default());
         let given = engine.clone();
         let harness = Harness::builder()
-            .with_size(egui::vec2(1000.0, 640.0))
+            .with_size(egui::vec2(1200.0, 760.0))
             .with_max_steps(60)
             .build_eframe(move |cc| Window::new(cc, given));
         Self { harness, engine }
@@ -256,6 +257,7 @@ fn cancel_takes_effect_within_200_ms_and_changes_nothing() {
     user.harness.get_by_label("Cancel").click();
     while user.harness.state().state.jobs.populating() {
         user.harness.step();
+        assert!(begun.elapsed() < Duration::from_secs(10), "Cancel does nothing");
     }
     assert!(begun.elapsed() < Duration::from_millis(200), "{:?}", begun.elapsed());
     assert!(user.state().ghosts.is_empty() && user.people() == 0 && !user.state().document.can_undo());
@@ -321,7 +323,7 @@ fn the_palette_runs_a_command_by_a_few_letters() {
     let mut user = User::opens_the_study();
     let grid = user.state().view.grid;
     user.presses(Modifiers::COMMAND, Key::K);
-    user.harness.get_by_label("Command").type_text("grid");
+    user.harness.get_by_role(egui::Role::TextInput).type_text("grid");
     user.sees();
     user.presses(Modifiers::NONE, Key::Enter);
     assert_ne!(user.state().view.grid, grid);

@@ -19,6 +19,9 @@ use super::viewport;
 use crate::document::Settings;
 use crate::job::{Job, Outcome, Seed};
 
+/// Jobs report hundreds of steps a second; a frame for each would take the processor from them.
+const NEWS_EVERY: Duration = Duration::from_millis(80);
+
 /// A panel of the dock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pane {
@@ -65,7 +68,7 @@ impl Window {
     pub fn new(cc: &eframe::CreationContext<'_>, engine: Arc<dyn Engine>) -> Self {
         theme::install(&cc.egui_ctx);
         let ctx = cc.egui_ctx.clone();
-        let wake = Arc::new(move || ctx.request_repaint());
+        let wake = Arc::new(move || ctx.request_repaint_after(NEWS_EVERY));
         Self {
             state: EditorState::new(engine, wake),
             canvas: Canvas::new(cc.wgpu_render_state.as_ref()),
@@ -296,7 +299,7 @@ fn layout() -> Tree<Pane> {
         |children: [TileId; 2], shares: [f32; 2]| linear(&mut tiles, LinearDir::Vertical, &children, &shares);
     let left = column([objects, people], [0.6, 0.4]);
     let middle = column([view, below], [0.78, 0.22]);
-    let right = column([populate, inspector], [0.42, 0.58]);
+    let right = column([populate, inspector], [0.46, 0.54]);
     let root = linear(&mut tiles, LinearDir::Horizontal, &[left, middle, right], &[0.17, 0.61, 0.22]);
     Tree::new(egui::Id::unique("dock"), root, tiles)
 }

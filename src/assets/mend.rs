@@ -13,6 +13,11 @@ const MAX_COORDINATE: f32 = 1e9;
 /// box's 90° and a bevel's 45°.
 const CREASE_COS: f32 = 0.766; // 40°
 
+/// A scan: so many triangles in one mesh, and at so many corners a crease. That is noise, not edges, and is
+/// smoothed over. Furniture with as many creases has far fewer triangles.
+const SCAN_TRIANGLES: usize = 50_000;
+const SCAN_CREASED_SHARE: f32 = 0.3;
+
 /// Corners compared with each other at one vertex; above it (the tip of a fan) all share one normal.
 const MAX_CORNERS_COMPARED: usize = 64;
 
@@ -124,16 +129,24 @@ fn with_normals(mesh: Mesh) -> Mesh {
     let (weighted, units): (Vec<[Vec3; 3]>, Vec<Vec3>) =
         (0..mesh.triangles.len()).into_par_iter().map(|t| corner_normals(mesh.corners(t))).unzip();
     let (start, corners) = corners_by_place(&mesh, &place_of);
-    let normal_at = |t: usize, k: usize| {
+    let around = |t: usize, k: usize| {
         let place = place_of[mesh.triangles[t][k] as usize] as usize;
-        let here = &corners[start[place] as usize..start[place + 1] as usize];
-        let smooth =
-            |other: usize| here.len() > MAX_CORNERS_COMPARED || units[t].dot(units[other]) > CREASE_COS;
+        &corners[start[place] as usize..start[place + 1] as usize]
+    };
+    let is_crease = |t: usize, other: u32| units[t].dot(units[other as usize / 3]) <= CREASE_COS;
+    let creased = |t: usize| (0..3).any(|k| around(t, k).iter().any(|&other| is_crease(t, other)));
+    let is_scan = mesh.triangles.len() > SCAN_TRIANGLES && {
+        let seen = (0..mesh.triangles.len()).step_by(17);
+        let (count, creased) = seen.fold((0, 0), |(n, c), t| (n + 1, c + usize::from(creased(t))));
+        creased as f32 > SCAN_CREASED_SHARE * count as f32
+    };
+    let normal_at = |t: usize, k: usize| {
+        let here = around(t, k);
+        let smooth = is_scan || here.len() > MAX_CORNERS_COMPARED;
         let sum: Vec3 = here
             .iter()
-            .map(|&corner| (corner as usize / 3, corner as usize % 3))
-            .filter(|&(other, _)| other == t || smooth(other))
-            .map(|(other, k)| weighted[other][k])
+            .filter(|&&other| smooth || other as usize / 3 == t || !is_crease(t, other))
+            .map(|&other| weighted[other as usize / 3][other as usize % 3])
             .sum();
         sum.normalize_or(units[t])
     };
@@ -243,6 +256,23 @@ mod tests {
         for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
             assert!(n.distance(Vec3::new(p.x, 0.0, p.z)) < 0.02, "{p} {n}");
         }
+    }
+
+    #[test]
+    fn the_noise_of_a_scan_is_not_taken_for_edges() {
+        let side = 200u32;
+        let mut state = 1u32;
+        let mut noise = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 16) as f32 / 65_536.0 - 0.5
+        };
+        let positions = (0..side * side)
+            .map(|i| Vec3::new((i % side) as f32, noise() * 1.5, (i / side) as f32))
+            .collect();
+        let quads = (0..side - 1).flat_map(|z| (0..side - 1).map(move |x| z * side + x));
+        let triangles = quads.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
+        let (mesh, _) = mended(Mesh { positions, triangles, ..Mesh::default() });
+        assert_eq!(mesh.positions.len(), (side * side) as usize, "no vertex was split");
     }
 
     #[test]

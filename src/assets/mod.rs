@@ -28,7 +28,7 @@ pub use budget::Budget;
 pub use clips::{CLIP_JOINTS, PoseClip, read_pose_clips};
 pub use encode::{encode_jpeg, encode_png};
 pub use error::{AssetError, Problem};
-pub use hash::{ContentHasher, content_hash};
+pub use hash::{ContentHasher, NumberHasher, NumberMap, content_hash};
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
 pub use read::{read_model, read_model_bytes};
 pub use samples::{SampleRoom, sample_rooms};

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec2, Vec3};
 
 use super::error::Fault;
+use super::hash::NumberMap;
 use super::mend::{Dropped, mended};
 use super::model::{AlphaMode, Material, Mesh, Model, Part};
 use super::picture::{EncodedPicture, decode_all};
@@ -25,7 +26,7 @@ struct Piece {
     group: usize,
     material: usize,
     vertices: Vec<Corner>,
-    numbers: HashMap<Corner, u32>,
+    numbers: NumberMap<Corner, u32>,
     triangles: Vec<[u32; 3]>,
 }
 

@@ -1,1 +1,150 @@
-//! The same jobs without a window: JSON reports, PNG pictures, exit codes. Never names `app`.
+//! The same jobs without a window: JSON reports, PNG pictures, exit codes.
+//!
+//! The contract that scripts rely on: names of commands and fields stay as they are. Never names `app`; the
+//! window is opened by `main`, which asks [`parse`] what to do.
+
+mod generate;
+mod import;
+mod inspect;
+mod load;
+mod output;
+mod pictures;
+mod progress;
+mod report;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+pub use report::{BodyRow, FieldRow, GenerateReport, RoomRow, Summary};
+
+/// Exit codes of every command.
+pub mod exit {
+    /// Done.
+    pub const DONE: u8 = 0;
+    /// Failed; the reason stands on stderr.
+    pub const FAILED: u8 = 1;
+    /// Done, with findings above their limit.
+    pub const FINDINGS: u8 = 3;
+    /// Interrupted by the user.
+    pub const INTERRUPTED: u8 = 130;
+}
+
+/// Puts people into rooms.
+#[derive(Parser, Debug)]
+#[command(name = "inhabit", version, about, args_conflicts_with_subcommands = true)]
+pub struct Arguments {
+    /// What to do; without a command the editor's window opens.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// The window's own arguments.
+    #[command(flatten)]
+    pub window: WindowArguments,
+}
+
+/// What the editor's window opens with.
+#[derive(Args, Debug, Clone)]
+pub struct WindowArguments {
+    /// A project or a room (GLB, glTF, OBJ, PLY); a bundled sample room when left out.
+    #[arg(value_name = "PROJECT|ROOM")]
+    pub open: Option<PathBuf>,
+    /// Save a picture of the window to this PNG and quit.
+    #[arg(long, value_name = "FILE")]
+    pub screenshot: Option<PathBuf>,
+    /// Put this many people in before the picture is taken.
+    #[arg(long, value_name = "N", requires = "screenshot")]
+    pub populate: Option<usize>,
+    /// Root of the seed tree for --populate.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Colour the people by penetration and contact in the picture.
+    #[arg(long, requires = "screenshot")]
+    pub heat: bool,
+    /// Select this person (0 is the first) in the picture.
+    #[arg(long, value_name = "N", requires = "screenshot")]
+    pub select: Option<usize>,
+}
+
+/// The commands.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Say what was understood of a room or project: units, up axis, objects, surfaces, field.
+    Inspect(inspect::InspectArguments),
+    /// Put people into a room and write them, a report and pictures.
+    Generate(generate::GenerateArguments),
+}
+
+/// Options of every command.
+#[derive(Args, Debug, Clone)]
+pub struct Common {
+    /// Root of the seed tree: the same seed gives the same bytes.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub seed: u64,
+    /// Threads to compute with; all cores when left out.
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// No progress on stderr.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print the report on stdout as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Where samples come from.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Affordance search: surfaces, heights, clearance, facing.
+    Search,
+}
+
+/// How a command ended, when it did not fail.
+pub enum Ended {
+    /// Nothing to complain of.
+    Clean,
+    /// Done, but findings are above their limit.
+    WithFindings,
+    /// The user interrupted it.
+    Interrupted,
+}
+
+/// Reads the program's arguments; on wrong usage prints it and exits with 2.
+pub fn parse() -> Arguments {
+    Arguments::parse()
+}
+
+/// Runs one command and gives the program's exit code.
+pub fn run(command: Command) -> ExitCode {
+    let result = match command {
+        Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Generate(arguments) => generate::run(&arguments),
+    };
+    exit_code(result)
+}
+
+/// The main job where there is no display: people in the bundled living room, written to `out`.
+pub fn run_without_display(reason: &str, window: &WindowArguments) -> ExitCode {
+    eprintln!("No window: {reason}. Running the same job without one (see `inhabit generate --help`).");
+    exit_code(generate::run(&generate::GenerateArguments::without_display(window)))
+}
+
+fn exit_code(result: anyhow::Result<Ended>) -> ExitCode {
+    match result {
+        Ok(Ended::Clean) => exit::DONE.into(),
+        Ok(Ended::WithFindings) => exit::FINDINGS.into(),
+        Ok(Ended::Interrupted) => exit::INTERRUPTED.into(),
+        Err(error) => {
+            eprintln!("inhabit: {error:#}");
+            exit::FAILED.into()
+        }
+    }
+}
+
+/// Limits the number of computing threads, once, before any work.
+fn use_threads(threads: Option<usize>) -> anyhow::Result<()> {
+    if let Some(threads) = threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build_global()?;
+    }
+    Ok(())
+}

@@ -5,9 +5,9 @@ use glam::Vec3;
 use crate::fit::BoneSphere;
 use crate::scene::PoseFamily;
 
-/// Skin and clothes between two people's bone spheres, beyond the spheres' own radii: these are thinner than
-/// flesh by about a fifth each.
-const APART_M: f32 = 0.045;
+/// Skin and clothes between two people's bone spheres, beyond the spheres' own radii, which are those of the
+/// thinnest flesh around each bone.
+const APART_M: f32 = 0.05;
 /// Cost of one more person of a pose group that is already there.
 const SAME_GROUP: f32 = 0.5;
 /// Cost of one more person of the very same family.

@@ -9,10 +9,11 @@ use rayon::prelude::*;
 
 use super::choose::{self, Entry, Occupied};
 use crate::body::{Body, Workspace};
-use crate::fit::{BoneSphere, FitConfig, Fitter, Trace, bone_spheres};
+use crate::fit::{BoneSphere, FitConfig, Fitter, Surroundings, Trace, bone_spheres};
 use crate::generate::{Proposal, SearchRequest, search};
 use crate::inspect::{BodyReport, Finding, Limits, Site, inspect_body};
 use crate::job::{Cancelled, JobCtx, Seed, Stop};
+use crate::math::Aabb;
 use crate::scene::{BodyParams, Person, PersonId, PoseFamily, Room, RoomGeometry};
 
 /// Proposals fitted for each person asked for, in each round: some fail, and choice makes variety.
@@ -113,7 +114,7 @@ pub fn populate(
     cx: &JobCtx<PopulatePreview>,
 ) -> Result<Populated, Stop> {
     let body = Body::bundled();
-    let bones = bone_spheres();
+    let bones = bone_spheres(body);
     let mut chosen: Vec<Entry> =
         request.existing.iter().map(|p| entry_of_existing(body, &bones, p)).collect();
     let mut result = Populated::default();
@@ -187,8 +188,9 @@ fn fit_all(
             }
             cx.preview(PopulatePreview { people: shown.values().cloned().collect() });
         };
+        let start = Aabb::of(Body::bundled().pose(&proposal.params).vertices);
         let fitted = fitter.fit(
-            &geometry.field,
+            &Surroundings::new(geometry, start),
             &proposal.params,
             proposal.family,
             &request.fit,

@@ -30,6 +30,8 @@ pub struct Weights {
     pub spread: f32,
     /// Penetration: mean over probe vertices of squared depth.
     pub collision: f32,
+    /// The room's surfaces inside the body: per point, squared depth under the skin.
+    pub intrusion: f32,
     /// Bones nearer to a surface than the flesh around them is thick: knows what lies behind a thin sheet.
     pub bones: f32,
     /// Limbs in the own body, squared metres.
@@ -116,8 +118,9 @@ fn rescue() -> FitConfig {
             pose_prior: 0.001,
             gap: 200.0,
             spread: 0.05,
-            collision: 20_000.0,
-            bones: 100.0,
+            collision: 60_000.0,
+            intrusion: 60.0,
+            bones: 1500.0,
             self_collision: 40.0,
             joint_limits: 2.0,
             balance: 10.0,

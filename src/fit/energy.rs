@@ -16,6 +16,8 @@ pub enum Term {
     Contact,
     /// Vertices in solid matter.
     Collision,
+    /// The room's surfaces inside the body.
+    Intrusion,
     /// Bones too near to a surface.
     Bones,
     /// Limbs in the own body.
@@ -27,11 +29,12 @@ pub enum Term {
 }
 
 /// Every term, in the order of [`Energy::terms`].
-pub const TERMS: [Term; 8] = [
+pub const TERMS: [Term; 9] = [
     Term::Start,
     Term::PosePrior,
     Term::Contact,
     Term::Collision,
+    Term::Intrusion,
     Term::Bones,
     Term::SelfCollision,
     Term::JointLimits,
@@ -46,6 +49,7 @@ impl Term {
             Self::PosePrior => "pose prior",
             Self::Contact => "contact",
             Self::Collision => "collision",
+            Self::Intrusion => "intrusion",
             Self::Bones => "bones",
             Self::SelfCollision => "self-collision",
             Self::JointLimits => "joint limits",

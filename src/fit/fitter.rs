@@ -4,12 +4,16 @@ use super::config::{FitConfig, Objective, PsiWeights, Weights};
 use super::energy::{Energy, TERMS};
 use super::goals::contact_goals;
 use super::probe::Probe;
+use super::set_down::set_down;
+use super::surroundings::{Intrusions, Surroundings};
 use super::terms::{self, Distances};
 use crate::body::{Body, Gradients, VertexSubset, Workspace};
 use crate::job::{Cancelled, Ticker};
 use crate::math::Adam;
-use crate::scene::{BodyParams, PARAMS, PoseFamily, SignedDistanceField};
+use crate::scene::{BodyParams, PARAMS, PoseFamily};
 
+/// Iterations between searches for the room's surfaces inside the body: a body moves millimetres in these.
+const INTRUSIONS_EVERY: usize = 8;
 /// Share of the first step size that the last step has.
 const LAST_STEP: f32 = 0.1;
 
@@ -37,6 +41,8 @@ struct Scratch {
     workspace: Workspace,
     energy: Energy,
     distances: Distances,
+    intrusions: Intrusions,
+    search_intrusions: bool,
 }
 
 impl<'a> Fitter<'a> {
@@ -51,7 +57,7 @@ impl<'a> Fitter<'a> {
     /// [`Cancelled`] once the user cancelled; it is asked at every iteration.
     pub fn fit(
         &self,
-        field: &SignedDistanceField,
+        around: &Surroundings<'_>,
         start: &BodyParams,
         family: PoseFamily,
         config: &FitConfig,
@@ -66,7 +72,8 @@ impl<'a> Fitter<'a> {
         let mut trace = Trace::with_capacity(config.iterations);
         for iteration in 0..config.iterations {
             ticker.check()?;
-            let gradient = self.energy_at(&x, &origin, family, &config.objective, field, &mut scratch);
+            scratch.search_intrusions = iteration % INTRUSIONS_EVERY == 0;
+            let gradient = self.energy_at(&x, &origin, family, &config.objective, around, &mut scratch);
             trace.push(scratch.energy.terms);
             adam.set_learning_rate(
                 config.adam.learning_rate * schedule(&config.objective, iteration, config),
@@ -76,13 +83,17 @@ impl<'a> Fitter<'a> {
                 preview(&BodyParams::from_vector(&x));
             }
         }
-        Ok(Fitted { params: canonical(&x), trace })
+        let mut params = canonical(&x);
+        if matches!(config.objective, Objective::Rescue(_)) {
+            set_down(self.body, around.field, &mut params, &mut scratch.workspace);
+        }
+        Ok(Fitted { params, trace })
     }
 
     /// Energy terms and gradient of one body: what one iteration costs, for benchmarks and plots.
     pub fn evaluate(
         &self,
-        field: &SignedDistanceField,
+        around: &Surroundings<'_>,
         params: &BodyParams,
         start: &BodyParams,
         family: PoseFamily,
@@ -90,7 +101,7 @@ impl<'a> Fitter<'a> {
     ) -> ([f32; TERMS.len()], [f32; PARAMS]) {
         let mut scratch = self.scratch(objective);
         let (x, origin) = (params.to_vector(), start.to_vector());
-        let gradient = self.energy_at(&x, &origin, family, objective, field, &mut scratch);
+        let gradient = self.energy_at(&x, &origin, family, objective, around, &mut scratch);
         (scratch.energy.terms, gradient)
     }
 
@@ -107,6 +118,8 @@ impl<'a> Fitter<'a> {
             workspace: Workspace::default(),
             energy: Energy::new(vertices),
             distances: Distances { value: vec![0.0; vertices], gradient: vec![Vec3::ZERO; vertices] },
+            intrusions: Intrusions::default(),
+            search_intrusions: true,
         }
     }
 
@@ -116,18 +129,19 @@ impl<'a> Fitter<'a> {
         start: &[f32; PARAMS],
         family: PoseFamily,
         objective: &Objective,
-        field: &SignedDistanceField,
+        around: &Surroundings<'_>,
         scratch: &mut Scratch,
     ) -> [f32; PARAMS] {
         let subset = self.subset(objective);
         scratch.energy.clear();
         self.body.forward(&BodyParams::from_vector(x), subset, &mut scratch.workspace);
         for (v, position) in scratch.workspace.vertices().iter().enumerate() {
-            (scratch.distances.value[v], scratch.distances.gradient[v]) = field.sample_gradient(*position);
+            (scratch.distances.value[v], scratch.distances.gradient[v]) =
+                around.field.sample_gradient(*position);
         }
         match objective {
             Objective::Psi(weights) => self.psi(weights, x, start, scratch),
-            Objective::Rescue(weights) => self.rescue(weights, x, start, family, field, scratch),
+            Objective::Rescue(weights) => self.rescue(weights, x, start, family, around, scratch),
         }
         let energy = &scratch.energy;
         let gradients =
@@ -151,10 +165,10 @@ impl<'a> Fitter<'a> {
         x: &[f32; PARAMS],
         start: &[f32; PARAMS],
         family: PoseFamily,
-        field: &SignedDistanceField,
+        around: &Surroundings<'_>,
         scratch: &mut Scratch,
     ) {
-        let Scratch { energy, distances, workspace } = scratch;
+        let Scratch { energy, distances, workspace, intrusions, search_intrusions } = scratch;
         let [t, _, betas, pose, hands] = BodyParams::OFFSETS;
         terms::stay(energy, x, start, t..betas, weights.place);
         terms::stay(energy, x, start, pose..PARAMS, weights.pose);
@@ -165,8 +179,17 @@ impl<'a> Fitter<'a> {
             terms::spread(energy, region, distances, weights.spread * goal.weight);
         }
         terms::collision(energy, distances, weights.collision);
+        if *search_intrusions {
+            intrusions.update(
+                &around.surface,
+                &self.probe,
+                workspace.vertices(),
+                workspace.world_rotations(),
+            );
+        }
+        intrusions.add_energy(energy, workspace.vertices(), weights.intrusion);
         let joints = workspace.joints();
-        terms::bones(energy, &self.probe, joints, &|p| field.sample_gradient(p), weights.bones);
+        terms::bones(energy, &self.probe, joints, &|p| around.field.sample_gradient(p), weights.bones);
         terms::self_collision(energy, &self.probe, joints, weights.self_collision);
         terms::joint_limits(energy, workspace.local_pose(), &[], weights.joint_limits);
         if matches!(family, PoseFamily::Stand) {

@@ -8,6 +8,8 @@ mod energy;
 mod fitter;
 mod goals;
 mod probe;
+mod set_down;
+mod surroundings;
 mod terms;
 #[cfg(test)]
 mod tests;
@@ -17,3 +19,4 @@ pub use energy::{TERMS, Term};
 pub use fitter::{Fitted, Fitter, Trace};
 pub use goals::{ContactGoal, contact_goals};
 pub use probe::{BoneSphere, Limb, bone_spheres};
+pub use surroundings::Surroundings;

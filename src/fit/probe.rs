@@ -66,24 +66,27 @@ impl Limb {
     }
 }
 
-/// Bones as (from, to, spheres, radius in metres, limb). Radii are about four fifths of an adult's flesh.
-const BONES: &[(usize, usize, u32, f32, Limb)] = &[
-    (j::PELVIS, j::SPINE2, 3, 0.085, Limb::Torso),
-    (j::SPINE2, j::SPINE3, 2, 0.09, Limb::Torso),
-    (j::SPINE3, j::NECK, 3, 0.075, Limb::Torso),
-    (j::NECK, j::HEAD, 2, 0.05, Limb::Head),
-    (j::LEFT_HIP, j::LEFT_KNEE, 5, 0.055, Limb::LeftLeg),
-    (j::RIGHT_HIP, j::RIGHT_KNEE, 5, 0.055, Limb::RightLeg),
-    (j::LEFT_KNEE, j::LEFT_ANKLE, 5, 0.038, Limb::LeftLeg),
-    (j::RIGHT_KNEE, j::RIGHT_ANKLE, 5, 0.038, Limb::RightLeg),
-    (j::LEFT_ANKLE, j::LEFT_FOOT, 2, 0.02, Limb::LeftLeg),
-    (j::RIGHT_ANKLE, j::RIGHT_FOOT, 2, 0.02, Limb::RightLeg),
-    (j::LEFT_SHOULDER, j::LEFT_ELBOW, 4, 0.035, Limb::UpperArm),
-    (j::RIGHT_SHOULDER, j::RIGHT_ELBOW, 4, 0.035, Limb::UpperArm),
-    (j::LEFT_ELBOW, j::LEFT_WRIST, 4, 0.027, Limb::LeftArm),
-    (j::RIGHT_ELBOW, j::RIGHT_WRIST, 4, 0.027, Limb::RightArm),
-    (j::LEFT_WRIST, j::LEFT_MIDDLE1, 2, 0.015, Limb::LeftArm),
-    (j::RIGHT_WRIST, j::RIGHT_MIDDLE1, 2, 0.015, Limb::RightArm),
+/// Share of the least thickness of flesh around a point of a bone that its sphere takes.
+const FLESH_SHARE: f32 = 0.9;
+
+/// Bones as (from, to, spheres, limb).
+const BONES: &[(usize, usize, u32, Limb)] = &[
+    (j::PELVIS, j::SPINE2, 3, Limb::Torso),
+    (j::SPINE2, j::SPINE3, 2, Limb::Torso),
+    (j::SPINE3, j::NECK, 3, Limb::Torso),
+    (j::NECK, j::HEAD, 2, Limb::Head),
+    (j::LEFT_HIP, j::LEFT_KNEE, 5, Limb::LeftLeg),
+    (j::RIGHT_HIP, j::RIGHT_KNEE, 5, Limb::RightLeg),
+    (j::LEFT_KNEE, j::LEFT_ANKLE, 5, Limb::LeftLeg),
+    (j::RIGHT_KNEE, j::RIGHT_ANKLE, 5, Limb::RightLeg),
+    (j::LEFT_ANKLE, j::LEFT_FOOT, 2, Limb::LeftLeg),
+    (j::RIGHT_ANKLE, j::RIGHT_FOOT, 2, Limb::RightLeg),
+    (j::LEFT_SHOULDER, j::LEFT_ELBOW, 4, Limb::UpperArm),
+    (j::RIGHT_SHOULDER, j::RIGHT_ELBOW, 4, Limb::UpperArm),
+    (j::LEFT_ELBOW, j::LEFT_WRIST, 4, Limb::LeftArm),
+    (j::RIGHT_ELBOW, j::RIGHT_WRIST, 4, Limb::RightArm),
+    (j::LEFT_WRIST, j::LEFT_MIDDLE1, 2, Limb::LeftArm),
+    (j::RIGHT_WRIST, j::RIGHT_MIDDLE1, 2, Limb::RightArm),
 ];
 
 /// All that the energies ask of a body, found once per body model.
@@ -92,6 +95,8 @@ pub struct Probe {
     pub subset: VertexSubset,
     /// Entries of the subset in each region.
     pub regions: BTreeMap<Region, Vec<u32>>,
+    /// Of each entry of the subset: the joint that moves it most, and its outward normal at rest.
+    pub rest_normals: Vec<(usize, Vec3)>,
     /// Spheres along the bones.
     pub bones: Vec<BoneSphere>,
     /// Pairs of `bones` that must not run into each other.
@@ -111,9 +116,12 @@ impl Probe {
             .into_iter()
             .map(|r| (r, body.regions.sample(r).iter().filter_map(entry).collect()))
             .collect();
-        let bones = bone_spheres();
+        let bones = bone_spheres(body);
         let pairs = meeting_pairs(&bones);
-        Self { subset: VertexSubset::new(&body.model, ids), regions, bones, pairs }
+        let normals = body.vertex_normals(&body.model.template);
+        let rest_normals =
+            ids.iter().map(|v| (body.model.dominant_joint(*v as usize), normals[*v as usize])).collect();
+        Self { subset: VertexSubset::new(&body.model, ids), regions, rest_normals, bones, pairs }
     }
 }
 
@@ -127,17 +135,26 @@ fn skin_sample(template: &[Vec3]) -> Vec<u32> {
     cubes.into_values().collect()
 }
 
-/// Every sphere along every bone.
-pub fn bone_spheres() -> Vec<BoneSphere> {
-    let spheres = BONES.iter().flat_map(|&(from, to, count, radius_m, limb)| {
-        (0..count).map(move |i| {
-            let along = (i as f32 + 0.5) / count as f32;
-            BoneSphere { from, to, along, radius_m, limb }
+/// Every sphere along every bone, as thick as the flesh of the mean shape allows.
+pub fn bone_spheres(body: &Body) -> Vec<BoneSphere> {
+    let joints = &body.model.joint_template;
+    let spheres = BONES.iter().flat_map(|&(from, to, count, limb)| {
+        (0..count).map(move |i| BoneSphere {
+            from,
+            to,
+            along: (i as f32 + 0.5) / count as f32,
+            radius_m: 0.0,
+            limb,
         })
     });
-    // The middle of the head lies above its joint, so it is no lerp of two joints within 0..1.
-    let skull = BoneSphere { from: j::NECK, to: j::HEAD, along: 1.9, radius_m: 0.075, limb: Limb::Head };
-    spheres.chain([skull]).collect()
+    // The middle of the skull lies above its joint: beyond the end of the neck.
+    let skull = BoneSphere { from: j::NECK, to: j::HEAD, along: 1.9, radius_m: 0.0, limb: Limb::Head };
+    let thick = |sphere: BoneSphere| {
+        let center = sphere.center(joints);
+        let skin_m = body.model.template.iter().map(|v| v.distance(center)).fold(f32::INFINITY, f32::min);
+        BoneSphere { radius_m: skin_m * FLESH_SHARE, ..sphere }
+    };
+    spheres.chain([skull]).map(thick).collect()
 }
 
 fn meeting_pairs(bones: &[BoneSphere]) -> Vec<(u16, u16)> {

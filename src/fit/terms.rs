@@ -11,12 +11,14 @@ use crate::scene::{BodyParams, PARAMS};
 
 /// Softness of "the nearest vertices of a region": the nearest few centimetres of skin share the pull.
 const NEAREST_M: f32 = 0.008;
-/// Where the nearest skin should come to rest: a millimetre in, so that it touches by every definition.
-const REST_M: f32 = -0.001;
+/// Where the nearest skin should come to rest: the last step sets the body down the rest of the way.
+const REST_M: f32 = 0.0015;
 /// Skin farther than this from a surface is not drawn to it by the spread term.
 const SPREAD_M: f32 = 0.03;
 /// Skin this near already counts as penetrating: leaves but the deepest vertices in free space.
-const SKIN_MARGIN_M: f32 = 0.002;
+const SKIN_MARGIN_M: f32 = 0.003;
+/// Limbs that lie on each other press their flesh to this share of its thickness.
+const SOFT_FLESH: f32 = 0.85;
 /// Rounding of |d| in PSI's robust distance, in square metres (published code).
 const PSI_ROUNDING_M2: f32 = 1e-4;
 /// The weight may stand this far from the middle of the feet: about half a foot's length.
@@ -162,7 +164,7 @@ pub fn self_collision(energy: &mut Energy, probe: &Probe, joints: &[Vec3; JOINTS
     for (a, b) in &probe.pairs {
         let (a, b) = (&probe.bones[usize::from(*a)], &probe.bones[usize::from(*b)]);
         let apart = a.center(joints) - b.center(joints);
-        let lack = a.radius_m + b.radius_m - apart.length();
+        let lack = SOFT_FLESH * (a.radius_m + b.radius_m) - apart.length();
         if lack > 0.0 {
             energy.add(Term::SelfCollision, weight * lack * lack);
             let pull = apart.normalize_or(Vec3::Y) * (-2.0 * weight * lack);

@@ -37,15 +37,16 @@ fn random_body(seed: u64, translation: Vec3) -> BodyParams {
 
 fn agrees_with_differences(config: &FitConfig, height_m: f32, tolerance: f32) {
     let (field, body) = (field(), Body::bundled());
+    let around = Surroundings::of_field(&field);
     let fitter = Fitter::new(body);
     let start = random_body(1, Vec3::new(0.05, height_m - 0.03, -0.2));
     let at = random_body(2, Vec3::new(0.03, height_m, -0.22));
     let value = |x: &[f32; PARAMS]| -> f64 {
         let params = BodyParams::from_vector(x);
-        let (terms, _) = fitter.evaluate(&field, &params, &start, PoseFamily::Stand, &config.objective);
+        let (terms, _) = fitter.evaluate(&around, &params, &start, PoseFamily::Stand, &config.objective);
         terms.iter().map(|t| f64::from(*t)).sum()
     };
-    let (_, gradient) = fitter.evaluate(&field, &at, &start, PoseFamily::Stand, &config.objective);
+    let (_, gradient) = fitter.evaluate(&around, &at, &start, PoseFamily::Stand, &config.objective);
     let norm = gradient.iter().map(|g| g * g).sum::<f32>().sqrt();
     let x = at.to_vector();
     let step = 1e-3;
@@ -74,12 +75,13 @@ fn the_gradient_of_psis_energy_agrees_with_finite_differences() {
 #[test]
 fn a_body_that_hovers_or_is_sunk_comes_to_rest_on_the_floor() {
     let (field, body) = (field(), Body::bundled());
+    let around = Surroundings::of_field(&field);
     let fitter = Fitter::new(body);
     let soles = body.model.template.iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
     for wrong_m in [-0.08, 0.08] {
         let start = BodyParams { translation: Vec3::new(0.0, wrong_m - soles, 0.8), ..BodyParams::default() };
         let fitted = fitter
-            .fit(&field, &start, PoseFamily::Stand, &FitConfig::default(), &Ticker::silent(), &mut |_| ())
+            .fit(&around, &start, PoseFamily::Stand, &FitConfig::default(), &Ticker::silent(), &mut |_| ())
             .expect("not cancelled");
         let lowest = body.pose(&fitted.params).vertices.iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
         assert!(lowest.abs() < 0.01, "{wrong_m} m off: soles at {lowest}");
@@ -91,10 +93,13 @@ fn a_body_that_hovers_or_is_sunk_comes_to_rest_on_the_floor() {
 #[test]
 fn a_fit_repeats_bit_for_bit_and_leaks_nothing_from_the_body_before() {
     let (field, body) = (field(), Body::bundled());
+    let around = Surroundings::of_field(&field);
     let config = FitConfig { iterations: 15, ..FitConfig::default() };
     let fit = |fitter: &Fitter<'_>, seed| {
         let start = random_body(seed, Vec3::new(0.0, 0.8, 0.3));
-        fitter.fit(&field, &start, PoseFamily::SitEdge, &config, &Ticker::silent(), &mut |_| ()).expect("fit")
+        fitter
+            .fit(&around, &start, PoseFamily::SitEdge, &config, &Ticker::silent(), &mut |_| ())
+            .expect("fit")
     };
     let (used, fresh) = (Fitter::new(body), Fitter::new(body));
     fit(&used, 7);
@@ -104,11 +109,12 @@ fn a_fit_repeats_bit_for_bit_and_leaks_nothing_from_the_body_before() {
 #[test]
 fn a_cancelled_fit_stops_and_previews_show_the_body_on_its_way() {
     let (field, ticker) = (field(), Ticker::silent());
+    let around = Surroundings::of_field(&field);
     let fitter = Fitter::new(Body::bundled());
     let config = FitConfig { preview_every: 2, ..FitConfig::default() };
     let start = random_body(3, Vec3::new(0.0, 0.9, 0.3));
     let mut previews = Vec::new();
-    let result = fitter.fit(&field, &start, PoseFamily::Stand, &config, &ticker, &mut |body| {
+    let result = fitter.fit(&around, &start, PoseFamily::Stand, &config, &ticker, &mut |body| {
         previews.push(body.clone());
         if previews.len() == 3 {
             ticker.cancel();
@@ -117,4 +123,29 @@ fn a_cancelled_fit_stops_and_previews_show_the_body_on_its_way() {
     assert!(result.is_err());
     assert_eq!(previews.len(), 3);
     assert_ne!(previews[0], previews[2]);
+}
+
+#[test]
+fn a_sheet_too_thin_for_the_field_is_pushed_out_of_the_body() {
+    let (field, body) = (field(), Body::bundled());
+    let fitter = Fitter::new(body);
+    let soles = body.model.template.iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
+    let start = BodyParams { translation: Vec3::new(0.0, -soles, 0.8), ..BodyParams::default() };
+    // A vertical sheet that cuts 3 cm into the belly and chest of somebody who stands.
+    let front = body.model.template.iter().filter(|v| v.x.abs() < 0.1 && v.y.abs() < 0.3);
+    let depth_z = front.map(|v| v.z).fold(f32::NEG_INFINITY, f32::max) + 0.8 - 0.03;
+    let steps =
+        |low: f32, high: f32| (0..).map(move |i| low + 0.03 * i as f32).take_while(move |v| *v < high);
+    let surface: Vec<Vec3> =
+        steps(-0.3, 0.3).flat_map(|x| steps(0.5, 1.4).map(move |y| Vec3::new(x, y, depth_z))).collect();
+    let deepest = |params: &BodyParams| {
+        let solid = crate::inspect::BodySolid::new(&body.pose(params).vertices, &body.model.faces);
+        surface.iter().map(|p| solid.depth(*p)).fold(0.0, f32::max)
+    };
+    let around = Surroundings { field: &field, surface: surface.clone() };
+    let fitted = fitter
+        .fit(&around, &start, PoseFamily::Stand, &FitConfig::default(), &Ticker::silent(), &mut |_| ())
+        .expect("not cancelled");
+    assert!(deepest(&start) > 0.02);
+    assert!(deepest(&fitted.params) < 0.01, "{} m deep", deepest(&fitted.params));
 }

@@ -9,7 +9,7 @@ use super::floor_places::{leaning_places, standing_places, wall_places};
 use super::lie_places::lie_places;
 use super::place::Place;
 use super::pose::{Poser, Settled};
-use super::seat_places::seat_places;
+use super::seat_places::{LAST_RESORT, seat_places};
 use crate::body::Body;
 use crate::job::{Cancelled, Rng, Seed, Ticker};
 use crate::scene::{BodyParams, PoseFamily, Room, RoomGeometry};
@@ -112,6 +112,9 @@ fn all_places(
 fn restrict(places: &mut Vec<Place>, request: &SearchRequest) {
     if let Some(families) = &request.families {
         places.retain(|p| families.contains(&p.family));
+    }
+    if places.iter().any(|p| p.family.group() == "sit" && p.weight > LAST_RESORT) {
+        places.retain(|p| p.family.group() != "sit" || p.weight > LAST_RESORT);
     }
     if let Some(at) = request.at {
         places.retain(|p| p.under_pelvis.distance(at) < NEAR_M);

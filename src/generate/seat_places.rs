@@ -15,6 +15,8 @@ const STOOL_HEIGHT_M: std::ops::RangeInclusive<f32> = 0.26..=0.9;
 const THIGH_ON_SEAT_M: f32 = 0.36;
 /// From the backrest to below the pelvis joint: half the depth of the buttocks.
 const PELVIS_TO_BACK_M: f32 = 0.14;
+/// Weight of places that one sits on only where there is nothing else.
+pub const LAST_RESORT: f32 = 0.05;
 /// Least room for the pelvis on a seat.
 const LEAST_DEPTH_M: f32 = 0.2;
 /// Half the width that somebody sitting takes.
@@ -33,6 +35,8 @@ const TABLE_HEIGHT_M: std::ops::RangeInclusive<f32> = 0.62..=0.85;
 const TABLE_REACH_M: f32 = 0.5;
 /// How far behind that edge the hands lie.
 const HANDS_ON_TABLE_M: f32 = 0.1;
+/// Shorter borders that rise are seams and corners, not backs.
+const LEAST_BACK_M: f32 = 0.25;
 /// Heights of armrests over the seat.
 const ARMREST_HEIGHT_M: std::ops::RangeInclusive<f32> = 0.12..=0.32;
 /// Length on a bed or sofa that straight legs need in front of the pelvis.
@@ -42,7 +46,7 @@ const STRAIGHT_LEGS_M: f32 = 0.95;
 pub fn seat_places(room: &Room, geometry: &RoomGeometry, index: usize, cells: &Cells) -> Vec<Place> {
     let surface = &geometry.supports[index];
     let category = category(room, surface);
-    if category.is_structure() && category != Category::Stairs {
+    if inviting(category) == 0.0 || is_rim(geometry, surface) {
         return Vec::new();
     }
     let mut places: Vec<Place> = surface
@@ -139,7 +143,7 @@ fn seat_depth(inward_m: f32) -> Option<f32> {
 
 /// Whether something rises behind this edge: nobody faces the backrest they sit against.
 fn faces_a_back(surface: &SupportSurface, edge: &EdgePoint) -> bool {
-    surface.backs.iter().any(|back| back.direction.dot(edge.outward) > 0.5)
+    surface.backs.iter().any(|b| b.length_m > LEAST_BACK_M && b.direction.dot(edge.outward) > 0.7)
 }
 
 fn family_of(surface: &SupportSurface, category: Category) -> PoseFamily {
@@ -157,15 +161,26 @@ fn family_of(surface: &SupportSurface, category: Category) -> PoseFamily {
     }
 }
 
-/// Seats are made to sit on; tables, shelves and stairs will do if there is nothing else.
+/// Seats are made to sit on; tables and stairs will do where there is nothing else; 0 for what nobody sits on.
 fn inviting(category: Category) -> f32 {
     match category {
         c if c.is_seat() => 1.0,
         Category::Unlabeled | Category::Misc | Category::Furniture => 0.5,
-        Category::Stairs => 0.2,
-        c if c.is_table() => 0.03,
-        _ => 0.08,
+        Category::Stairs | Category::CoffeeTable | Category::ChestOfDrawers => LAST_RESORT,
+        _ => 0.0,
     }
+}
+
+/// Whether the surface is the top of a seat's back or armrests: the same thing has a lower surface that these
+/// rise from.
+fn is_rim(geometry: &RoomGeometry, surface: &SupportSurface) -> bool {
+    let same = |s: &&SupportSurface| s.object.is_some() && s.object == surface.object;
+    let lower = |s: &&SupportSurface| s.height_m < surface.height_m - 0.05 && !s.backs.is_empty();
+    surface.object.is_some()
+        && geometry.supports.iter().filter(same).filter(lower).any(|s| {
+            let (a, b) = (s.bounds.grown(0.15), surface.bounds);
+            a.min.x < b.max.x && b.min.x < a.max.x && a.min.z < b.max.z && b.min.z < a.max.z
+        })
 }
 
 /// Straight legs along a bed or sofa: something to rest the back on is welcome, not needed.

@@ -10,4 +10,4 @@ mod surface;
 
 pub use body::{BodyMetrics, BodyReport, CONTACT_M, inspect_body};
 pub use finding::{Finding, Limits, Metric, Site};
-pub use surface::BodySolid;
+pub use surface::{BodySolid, surface_samples};

@@ -61,30 +61,35 @@ impl BodySolid {
 
     /// The deepest that any of `triangles` (world frame) reaches into the body, in metres.
     pub fn deepest_surface(&self, triangles: &[[Vec3; 3]]) -> f32 {
-        let near = self.bounds;
-        let mut deepest = 0.0f32;
-        let mut pending: Vec<[Vec3; 3]> = Vec::new();
-        for triangle in triangles {
-            pending.push(*triangle);
-            while let Some(piece) = pending.pop() {
-                if !Aabb::of(piece).intersects(&near) {
-                    continue;
-                }
-                match halves(piece) {
-                    Some(parts) => pending.extend(parts),
-                    None => deepest = deepest.max(self.depth((piece[0] + piece[1] + piece[2]) / 3.0)),
-                }
-            }
-        }
-        deepest
+        let samples = surface_samples(triangles, &self.bounds, SPACING_M);
+        samples.into_iter().map(|p| self.depth(p)).fold(0.0, f32::max)
     }
 }
 
+/// Points on those parts of `triangles` that lie in `within`, about `spacing_m` apart or nearer.
+pub fn surface_samples(triangles: &[[Vec3; 3]], within: &Aabb, spacing_m: f32) -> Vec<Vec3> {
+    let mut samples = Vec::new();
+    let mut pending: Vec<[Vec3; 3]> = Vec::new();
+    for triangle in triangles {
+        pending.push(*triangle);
+        while let Some(piece) = pending.pop() {
+            if !Aabb::of(piece).intersects(within) {
+                continue;
+            }
+            match halves(piece, spacing_m) {
+                Some(parts) => pending.extend(parts),
+                None => samples.push((piece[0] + piece[1] + piece[2]) / 3.0),
+            }
+        }
+    }
+    samples
+}
+
 /// The two halves of a triangle across its longest edge, or `None` when that edge is short enough to sample.
-fn halves([a, b, c]: [Vec3; 3]) -> Option<[[Vec3; 3]; 2]> {
+fn halves([a, b, c]: [Vec3; 3], spacing_m: f32) -> Option<[[Vec3; 3]; 2]> {
     let (ab, bc, ca) = (a.distance_squared(b), b.distance_squared(c), c.distance_squared(a));
     let longest = ab.max(bc).max(ca);
-    if longest <= SPACING_M * SPACING_M {
+    if longest <= spacing_m * spacing_m {
         return None;
     }
     let split = |a: Vec3, b: Vec3, c: Vec3| {

@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 use super::bvh::TriangleBvh;
 use super::columns::Columns;
 use super::field::SignedDistanceField;
+use super::field::indoors::plane_distances;
 
 /// Spacing of the cells in metres.
 const CELL_M: f32 = 0.05;
@@ -69,7 +70,7 @@ impl WalkableFloor {
             .zip(&height_m)
             .map(|(cell, &height_m)| is_blocked(field, columns.position(cell, height_m), &walker))
             .collect();
-        let clearance_m = distances(dim, &blocked, CELL_M);
+        let clearance_m = plane_distances(dim, [CELL_M; 2], &blocked);
         let area = areas(dim, &clearance_m, walker.radius_m);
         Self { dim, origin: columns.origin, cell_m: CELL_M, walker, height_m, clearance_m, area }
     }
@@ -127,29 +128,6 @@ fn is_blocked(field: &SignedDistanceField, foot: Vec3, walker: &Walker) -> bool 
         let height_m = (lowest + i as f32 * SCAN_M).min(walker.height_m - TOUCH_M);
         field.sample(foot + Vec3::Y * height_m) < TOUCH_M
     })
-}
-
-/// Distance in metres from each cell's centre to the nearest blocked cell's, exact.
-fn distances([nx, nz]: [usize; 2], blocked: &[bool], cell_m: f32) -> Vec<f32> {
-    let far = (nx + nz) as f32;
-    let mut along_z = vec![far; nx * nz];
-    for x in 0..nx {
-        let row = &mut along_z[x * nz..(x + 1) * nz];
-        let mut since = far;
-        for z in 0..nz {
-            since = if blocked[x * nz + z] { 0.0 } else { since + 1.0 };
-            row[z] = since;
-        }
-        since = far;
-        for z in (0..nz).rev() {
-            since = if blocked[x * nz + z] { 0.0 } else { since + 1.0 };
-            row[z] = row[z].min(since);
-        }
-    }
-    let nearest = |x: usize, z: usize| {
-        (0..nx).map(|i| (i as f32 - x as f32).hypot(along_z[i * nz + z])).fold(far, f32::min) * cell_m
-    };
-    (0..nx * nz).map(|i| nearest(i / nz, i % nz)).collect()
 }
 
 /// Numbers the connected areas with at least `radius_m` of clearance, the largest first.

@@ -207,10 +207,11 @@ fn category_field(ui: &mut Ui, state: &mut EditorState, id: ObjectId, present: C
 fn name_field(ui: &mut Ui, state: &mut EditorState, item: Item, name: &str) {
     let id = ui.scope_id().with(("name", item));
     let mut text = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| name.to_owned());
-    let edit =
-        egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY).font(egui::TextStyle::Heading);
+    let edit = egui::TextEdit::singleline(&mut text)
+        .hint_text("Name")
+        .desired_width(f32::INFINITY)
+        .font(egui::TextStyle::Heading);
     let response = ui.add(edit);
-    response.widget_info(|| egui::WidgetInfo::text_edit(true, name, name, "Name"));
     if response.lost_focus() {
         ui.data_mut(|d| d.remove::<String>(id));
         if ui.input(|i| !i.key_pressed(egui::Key::Escape)) && text != name {

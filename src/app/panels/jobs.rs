@@ -45,12 +45,11 @@ fn job_row(ui: &mut Ui, state: &mut EditorState, row: &JobRow) {
     ui.add_space(4.0);
 }
 
-/// The bar; it moves to and fro while the total is unknown.
+/// The bar; empty while the total is unknown.
 pub fn progress_bar(ui: &mut Ui, row: &JobRow) {
     let known = row.progress.total > 0;
     let bar = ProgressBar::new(if known { row.progress.fraction() } else { 0.0 });
-    let bar = bar.desired_height(6.0).animate(!known);
-    let response = ui.add(bar);
+    let response = ui.add(bar.desired_height(6.0));
     response.widget_info(|| {
         let label = format!("{}: {}", row.name, row.progress.stage);
         egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, label)

@@ -94,8 +94,9 @@ pub fn item_row(
             text = text.weak();
         }
         let width = ui.available_width();
-        let button = egui::Button::selectable(selected, text).truncate().min_size(egui::vec2(width, 20.0));
-        let response = ui.add(button.right_text(""));
+        let label = (text, egui::Atom::grow());
+        let button = egui::Button::selectable(selected, label).truncate().min_size(egui::vec2(width, 20.0));
+        let response = ui.add(button);
         if response.clicked() {
             if ui.input(|i| i.modifiers.shift || i.modifiers.command) {
                 state.selection.toggle(item);

@@ -72,7 +72,6 @@ fn palette(ctx: &Context, state: &mut EditorState, mut query: String, mut row: u
         ui.set_width(440.0_f32.min(ctx.content_rect().width() - 60.0));
         let edit = TextEdit::singleline(&mut query).hint_text("Type a command").desired_width(f32::INFINITY);
         let edit = ui.add(edit);
-        edit.widget_info(|| egui::WidgetInfo::text_edit(true, "", &before, "Command"));
         edit.request_focus();
         ui.add_space(4.0);
         ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
@@ -251,10 +250,8 @@ pub fn with_project_extension(path: PathBuf) -> PathBuf {
 /// A field for a path with its button: whether Enter was pressed, whether the button was.
 fn path_field(ui: &mut Ui, text: &mut String, hint: &str, button: &str) -> (bool, bool) {
     ui.horizontal(|ui| {
-        let shown = text.clone();
         let width = ui.available_width() - 70.0;
         let edit = ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(width));
-        edit.widget_info(|| egui::WidgetInfo::text_edit(true, "", &shown, hint));
         let entered = edit.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
         if !entered {
             edit.request_focus();
@@ -331,6 +328,12 @@ fn import_report(ui: &mut Ui, state: &mut EditorState) {
     if let Source::File(path, choice) = summary.source.clone() {
         ui.weak(path.display().to_string());
         import_choice(ui, state, &summary, path, choice);
+    }
+    if !summary.evidence.is_empty() {
+        super::title(ui, "How it was understood");
+    }
+    for line in &summary.evidence {
+        ui.label(line);
     }
     super::title(ui, "Remarks");
     if summary.notes.is_empty() {

@@ -13,10 +13,10 @@ use crate::scene::PoseFamily;
 pub fn populate(ui: &mut Ui, state: &mut EditorState) {
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         numbers(ui, state);
+        ui.add_space(2.0);
+        buttons(ui, state);
         title(ui, "What they do");
         families(ui, state);
-        ui.add_space(6.0);
-        buttons(ui, state);
     });
 }
 
@@ -85,7 +85,7 @@ fn buttons(ui: &mut Ui, state: &mut EditorState) {
     }
     ui.horizontal(|ui| {
         let placing = state.tool == Tool::PutHere;
-        let button = Button::selectable(placing, "Put somebody here").frame(true);
+        let button = Button::new("Put somebody here").selected(placing);
         if ui.add_enabled(ready, button).on_hover_text("Then click a spot (Shift+A)").clicked() {
             actions::put_here(state);
         }

@@ -18,10 +18,11 @@
 //!    at all: the hollow of an open sofa on legs, or the space behind a scan's walls. In the middle of a room
 //!    some front is always in sight, so this never makes holes in free air.
 //!
-//! Outside the room's box (virtual walls and ceiling where it is open, the floor at `y = 0`) all is solid.
+//! Outside the room (virtual walls and ceiling where its box is open, the floor at `y = 0`, columns far from any
+//! floor) all is solid.
 //!
 //! # Distances
-//! Exact in a band about the surfaces, then carried outward by triangle (see `distance`). Surfaces with solid on
+//! Exact in a band about the surfaces, then carried outward by triangle (see `sweep`). Surfaces with solid on
 //! both sides don't count (so depth inside overlapping furniture is depth to the air); sheets and plates thinner than a
 //! cell are thickened to one (see `thin`).
 
@@ -29,10 +30,12 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::SignedDistanceField;
-use super::distance::{Facet, NOBODY, Nearest, narrow_band, splat, sweep_outward};
+use super::distance::{Facet, NOBODY, Nearest, narrow_band, splat};
 use super::grid::Grid;
+use super::indoors::distance_indoors;
 use super::lines::Lines;
 use super::sign::{Surroundings, classify};
+use super::sweep::sweep_outward;
 use super::thin::{buried, thicken};
 use crate::assets::ContentHasher;
 use crate::assets::cache;
@@ -75,15 +78,15 @@ impl Default for FieldConfig {
             // 2.5 cm resolves limbs (a wrist is 6 cm wide) at about 5 M samples for a living room.
             resolution: Resolution::Cells { cell_m: 0.025, max_bytes: 256 << 20 },
             // Contact and penetration are judged within 5 cm of a surface.
-            band_m: 0.06,
+            band_m: 0.055,
             // Rooms are at least about 2.4 m high; a scan without ceiling still lets people stand.
             ceiling_m: 2.4,
         }
     }
 }
 
-/// Bytes per sample while baking: distance, triangle and five small marks.
-const BYTES_PER_SAMPLE: usize = 14;
+/// Bytes per sample while baking: distance, triangle, gradient and five small marks.
+const BYTES_PER_SAMPLE: usize = 18;
 /// Samples beyond the virtual walls on every side, so that the walls are felt before the grid ends.
 const MARGIN_CELLS: f32 = 2.0;
 /// A room reaches down to a cellar or lower storey from this depth; above it is noise or a floor's thickness.
@@ -102,16 +105,20 @@ pub fn bake(
     let enclosure = enclosure(triangles, config);
     let grid = grid_for(&enclosure, config.resolution);
     let mut facets: Vec<Facet> = triangles.par_iter().map(Facet::new).collect();
-    let band_m = config.band_m.max(2.0 * grid.cell_m.max_element());
+    // Every surface must reach some sample, at most half a cell's diagonal away.
+    let band_m = config.band_m.max(0.6 * grid.cell_m.length());
     let mut nearest = narrow_band(&grid, &facets, band_m, step)?;
     let lines = [0, 1, 2].map(|axis| Lines::new(&grid, triangles, axis));
     report(step, 1, 2)?;
+    let edge_m = distance_indoors(&grid, &lines[1]);
+    let indoors: Vec<bool> = edge_m.iter().map(|&d| d > 0.0).collect();
+    let distance_m = &nearest.distance_m;
     let room =
-        Surroundings { grid: &grid, lines: &lines, triangles, distance_m: &nearest.distance_m, enclosure };
+        Surroundings { grid: &grid, lines: &lines, triangles, distance_m, enclosure, indoors: &indoors };
     let solid = classify(&room, step)?;
     refine(&grid, &lines, &solid, &mut facets, band_m, &mut nearest, step)?;
     sweep_outward(&grid, &facets, &solid, band_m, &mut nearest, step)?;
-    let values = signed_values(&grid, &solid, &nearest.distance_m, &enclosure);
+    let values = signed_values(&grid, &solid, &nearest.distance_m, &enclosure, &edge_m);
     Ok(SignedDistanceField { dim: grid.dim, origin: grid.origin, cell_m: grid.cell_m, values })
 }
 
@@ -176,13 +183,28 @@ fn grid_for(enclosure: &Aabb, resolution: Resolution) -> Grid {
 }
 
 /// Puts the sign to the distances and closes the room by virtual walls.
-fn signed_values(grid: &Grid, solid: &[bool], distance_m: &[f32], enclosure: &Aabb) -> Vec<f32> {
+fn signed_values(
+    grid: &Grid,
+    solid: &[bool],
+    distance_m: &[f32],
+    enclosure: &Aabb,
+    edge_m: &[f32],
+) -> Vec<f32> {
     // A room without any triangle is all walls.
     let far = enclosure.size().length();
-    let inside = |index: usize, p: Vec3| {
+    let inside = |[x, y, z]: [usize; 3]| {
+        let index = grid.index([x, y, z]);
+        let p = grid.position([x, y, z]);
         let distance = distance_m[index].min(far);
-        let to_wall = (p - enclosure.min).min(enclosure.max - p).min_element();
-        if solid[index] { -distance } else { distance.min(to_wall.max(0.0)) }
+        let edge_m = edge_m[x * grid.dim[2] + z];
+        let to_wall = (p - enclosure.min).min(enclosure.max - p).min_element().min(edge_m);
+        if !solid[index] {
+            distance.min(to_wall.max(0.0))
+        } else if edge_m <= 0.0 {
+            -distance.min(-edge_m)
+        } else {
+            -distance
+        }
     };
     (0..grid.len())
         .into_par_iter()
@@ -190,14 +212,13 @@ fn signed_values(grid: &Grid, solid: &[bool], distance_m: &[f32], enclosure: &Aa
             let place = grid.place(index);
             let p = grid.position(place);
             if enclosure.contains(p) {
-                return inside(index, p);
+                return inside(place);
             }
             let nearest_inside: [usize; 3] = std::array::from_fn(|axis| {
                 let span = grid.span(axis, enclosure.min[axis], enclosure.max[axis]);
                 span.map_or(place[axis], |(first, last)| place[axis].clamp(first, last))
             });
-            let wall = grid.index(nearest_inside);
-            -enclosure.distance(p) + inside(wall, grid.position(nearest_inside)).min(0.0)
+            -enclosure.distance(p) + inside(nearest_inside).min(0.0)
         })
         .collect()
 }

@@ -1,11 +1,6 @@
-//! Distances from samples to triangles: exact near the surface, carried outward beyond.
-//!
-//! Each triangle writes its exact distance into the samples of a narrow band. Beyond the band six sweeps
-//! (both ways along each axis) hand on *which* triangle is nearest; each sample then evaluates its exact
-//! distance to the candidates of its neighbours. Only the choice of the triangle can be wrong, never the
-//! distance to it. (After Strain 1999 and Bridson's closest-triangle sweeping; slices run in parallel.)
+//! Distances from samples to triangles, exact in a narrow band: each triangle writes into the samples near it.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::grid::Grid;
@@ -14,12 +9,19 @@ use crate::scene::bvh::{Step, Stopped, report};
 /// No triangle known yet.
 pub(super) const NOBODY: u32 = u32::MAX;
 
-/// A triangle prepared for distances, perhaps thickened (see `thin`).
+/// A triangle prepared for distances, perhaps thickened (see `thin`): flat coordinates with corner `a` at the
+/// origin, the longest edge `ab` along x and corner `c` above it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
-    corners: [Vec3; 3],
-    /// Unit normal by corner order; zero without area.
+    a: Vec3,
+    x_axis: Vec3,
+    y_axis: Vec3,
+    /// Unit normal by corner order; any direction across for a triangle without area.
     pub normal: Vec3,
+    b: f32,
+    c: Vec2,
+    /// One over the squared lengths of `ac` and `bc`.
+    inverse2: Vec2,
     /// Moves the middle of a thickened sheet away from the triangle.
     pub shift: Vec3,
     /// Half the thickness of a thickened sheet, else 0.
@@ -28,46 +30,72 @@ pub(super) struct Facet {
 
 impl Facet {
     pub fn new(corners: &[Vec3; 3]) -> Self {
-        let [a, b, c] = *corners;
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        Self { corners: *corners, normal, shift: Vec3::ZERO, radius_m: 0.0 }
+        let length2 = |i: usize| corners[i].distance_squared(corners[(i + 1) % 3]);
+        let first = (0..3).max_by(|&i, &j| length2(i).total_cmp(&length2(j))).unwrap_or(0);
+        let [a, b, c] = [0, 1, 2].map(|i| corners[(first + i) % 3]);
+        let x_axis = (b - a).normalize_or(Vec3::X);
+        let normal = x_axis.cross(c - a).try_normalize().unwrap_or_else(|| x_axis.any_orthonormal_vector());
+        let y_axis = normal.cross(x_axis);
+        let (b, c) = ((b - a).dot(x_axis), Vec2::new((c - a).dot(x_axis), (c - a).dot(y_axis)));
+        let inverse = |length2: f32| 1.0 / length2.max(f32::MIN_POSITIVE);
+        let inverse2 = Vec2::new(inverse(c.length_squared()), inverse(c.distance_squared(Vec2::new(b, 0.0))));
+        Self { a, x_axis, y_axis, normal, b, c, inverse2, shift: Vec3::ZERO, radius_m: 0.0 }
     }
 
-    /// Corners.
-    pub fn corners(&self) -> &[Vec3; 3] {
-        &self.corners
+    /// The corners, from the one that starts the longest edge.
+    pub fn corners(&self) -> [Vec3; 3] {
+        let flat = |x: f32, y: f32| self.a + self.x_axis * x + self.y_axis * y;
+        [self.a, flat(self.b, 0.0), flat(self.c.x, self.c.y)]
     }
 
-    /// Squared distance from `p` to the bare triangle.
+    /// Flat coordinates and height over the plane of the (shifted) triangle.
     #[inline]
-    pub fn distance2(&self, p: Vec3) -> f32 {
-        let [a, b, c] = self.corners;
-        let (ap, bp, cp) = (p - a, p - b, p - c);
-        let (ab, bc, ca) = (b - a, c - b, a - c);
-        let n = self.normal;
-        let inside = [n.cross(ab).dot(ap) > 0.0, n.cross(bc).dot(bp) > 0.0, n.cross(ca).dot(cp) > 0.0];
-        if inside == [true; 3] {
-            let height = n.dot(ap);
-            return height * height;
-        }
-        let mut nearest = f32::INFINITY;
-        for (within, from, edge) in [(inside[0], ap, ab), (inside[1], bp, bc), (inside[2], cp, ca)] {
-            if !within {
-                let along = (from.dot(edge) / edge.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-                nearest = nearest.min((from - edge * along).length_squared());
-            }
-        }
-        nearest
+    fn local(&self, p: Vec3) -> Vec3 {
+        let d = p - self.a;
+        Vec3::new(self.x_axis.dot(d), self.y_axis.dot(d), self.normal.dot(d))
     }
 
-    /// Distance for a sample in free space: to the bare triangle, or signed to its thickened sheet.
+    /// From the triangle's nearest points to four points at `(x, y)` in its plane.
     #[inline]
-    pub fn air_distance(&self, p: Vec3) -> f32 {
-        if self.radius_m == 0.0 {
-            self.distance2(p).sqrt()
-        } else {
-            self.distance2(p - self.shift).sqrt() - self.radius_m
+    fn offsets(&self, x: Vec4, y: Vec4) -> (Vec4, Vec4) {
+        let (b, c) = (self.b, self.c);
+        let edge = Vec2::new(c.x - b, c.y);
+        let from_b = x - b;
+        let inside = y.cmpge(Vec4::ZERO)
+            & (y * edge.x - from_b * edge.y).cmpge(Vec4::ZERO)
+            & (x * c.y - y * c.x).cmpge(Vec4::ZERO);
+        let ab = (x - x.clamp(Vec4::ZERO, Vec4::splat(b)), y);
+        let t = ((x * c.x + y * c.y) * self.inverse2.x).clamp(Vec4::ZERO, Vec4::ONE);
+        let ac = (x - t * c.x, y - t * c.y);
+        let t = ((from_b * edge.x + y * edge.y) * self.inverse2.y).clamp(Vec4::ZERO, Vec4::ONE);
+        let bc = (from_b - t * edge.x, y - t * edge.y);
+        let length2 = |v: (Vec4, Vec4)| v.0 * v.0 + v.1 * v.1;
+        let nearer = |v: (Vec4, Vec4), w: (Vec4, Vec4)| {
+            let first = length2(v).cmple(length2(w));
+            (Vec4::select(first, v.0, w.0), Vec4::select(first, v.1, w.1))
+        };
+        let (dx, dy) = nearer(ab, nearer(ac, bc));
+        (Vec4::select(inside, Vec4::ZERO, dx), Vec4::select(inside, Vec4::ZERO, dy))
+    }
+
+    /// Distance from `p` in metres and its gradient. For a sample in free space (`!solid`) signed to the
+    /// thickened sheet, else to the bare triangle.
+    #[inline]
+    pub fn distance(&self, p: Vec3, solid: bool) -> (f32, Vec3) {
+        let (shift, radius_m) = if solid { (Vec3::ZERO, 0.0) } else { (self.shift, self.radius_m) };
+        let at = self.local(p - shift);
+        let edge = Vec2::new(self.c.x - self.b, self.c.y);
+        let left_of_bc = at.y * edge.x - (at.x - self.b) * edge.y >= 0.0;
+        if at.y >= 0.0 && left_of_bc && at.x * self.c.y - at.y * self.c.x >= 0.0 {
+            // Right over the triangle: what most samples far from edges are.
+            return (at.z.abs() - radius_m, self.normal * 1.0_f32.copysign(at.z));
         }
+        let (dx, dy) = self.offsets(Vec4::splat(at.x), Vec4::splat(at.y));
+        let away = Vec3::new(dx.x, dy.x, at.z);
+        let distance = away.length();
+        let unit = away / distance.max(f32::MIN_POSITIVE);
+        let gradient = self.x_axis * unit.x + self.y_axis * unit.y + self.normal * unit.z;
+        (distance - radius_m, gradient)
     }
 }
 
@@ -132,7 +160,7 @@ fn triangles_by_task(grid: &Grid, facets: &[Facet], chosen: &[u32], band_m: f32)
     for &t in chosen {
         let facet = &facets[t as usize];
         let reach = band_m + facet.radius_m;
-        let xs = facet.corners.map(|p| p.x + facet.shift.x);
+        let xs = facet.corners().map(|p| p.x + facet.shift.x);
         let low = xs[0].min(xs[1]).min(xs[2]) - reach;
         let high = xs[0].max(xs[1]).max(xs[2]) + reach;
         if let Some((first, last)) = grid.span(0, low, high) {
@@ -155,7 +183,7 @@ struct Slab<'a> {
 impl Slab<'_> {
     fn write(&mut self, facet: &Facet, number: u32, band_m: f32, open: &impl Fn(usize) -> bool) {
         let reach = band_m + facet.radius_m;
-        let [a, b, c] = facet.corners.map(|p| p + facet.shift);
+        let [a, b, c] = facet.corners().map(|p| p + facet.shift);
         let low = a.min(b).min(c) - reach;
         let high = a.max(b).max(c) + reach;
         let Some((x0, x1)) = self.grid.span(0, low.x, high.x) else { return };
@@ -164,180 +192,57 @@ impl Slab<'_> {
         let last_plane = self.first_plane + self.distance.len() / (self.grid.dim[1] * self.grid.dim[2]) - 1;
         for x in x0.max(self.first_plane)..=x1.min(last_plane) {
             for y in y0..=y1 {
-                let row = self.grid.index([x - self.first_plane, y, 0]);
-                let global = self.grid.index([x, y, 0]);
-                let from = self.grid.position([x, y, 0]);
-                for z in z0..=z1 {
-                    if !open(global + z) {
-                        continue;
-                    }
-                    let p = from + Vec3::Z * (z as f32 * self.grid.cell_m.z);
-                    let best = self.distance[row + z].min(band_m);
-                    let height = facet.normal.dot(p - facet.shift - facet.corners[0]).abs();
-                    if height - facet.radius_m > best {
-                        continue;
-                    }
-                    let distance = facet.air_distance(p);
-                    if distance < best {
-                        self.distance[row + z] = distance;
-                        self.triangle[row + z] = number;
-                    }
+                self.write_row(facet, number, band_m, [x, y], (z0, z1), open);
+            }
+        }
+    }
+
+    /// Four samples at a time; flat coordinates and height are linear along the row.
+    fn write_row(
+        &mut self,
+        facet: &Facet,
+        number: u32,
+        band_m: f32,
+        [x, y]: [usize; 2],
+        (z0, z1): (usize, usize),
+        open: &impl Fn(usize) -> bool,
+    ) {
+        let row = self.grid.index([x - self.first_plane, y, 0]);
+        let global = self.grid.index([x, y, 0]);
+        let start = facet.local(self.grid.position([x, y, 0]) - facet.shift);
+        let step_z = self.grid.cell_m.z;
+        let per_step = Vec3::new(facet.x_axis.z, facet.y_axis.z, facet.normal.z) * step_z;
+        let radius = Vec4::splat(facet.radius_m);
+        for z in (z0..=z1).step_by(4) {
+            let lanes = (z1 + 1 - z).min(4);
+            let along = Vec4::splat(z as f32) + Vec4::new(0.0, 1.0, 2.0, 3.0);
+            let height = along * per_step.z + start.z;
+            let mut best = Vec4::splat(f32::NEG_INFINITY);
+            for lane in 0..lanes {
+                best[lane] = self.distance[row + z + lane];
+            }
+            let bound = best.min(Vec4::splat(band_m)) + radius - GAIN_M;
+            let bound2 = Vec4::select(bound.cmpgt(Vec4::ZERO), bound * bound, Vec4::splat(-1.0));
+            let height2 = height * height;
+            if !height2.cmplt(bound2).any() {
+                continue;
+            }
+            let (dx, dy) = facet.offsets(along * per_step.x + start.x, along * per_step.y + start.y);
+            let distance2 = dx * dx + dy * dy + height2;
+            let nearer = distance2.cmplt(bound2);
+            if !nearer.any() {
+                continue;
+            }
+            for lane in 0..lanes {
+                if nearer.test(lane) && open(global + z + lane) {
+                    self.distance[row + z + lane] = distance2[lane].sqrt() - facet.radius_m;
+                    self.triangle[row + z + lane] = number;
                 }
             }
         }
     }
 }
 
-/// Carries nearest triangles into all samples beyond `exact_m`. `solid` samples measure to bare triangles,
-/// the others to thickened ones.
-pub(super) fn sweep_outward(
-    grid: &Grid,
-    facets: &[Facet],
-    solid: &[bool],
-    exact_m: f32,
-    nearest: &mut Nearest,
-    step: Step,
-) -> Result<(), Stopped> {
-    let slack_m = 2.0 * facets.par_iter().map(|f| f.radius_m).reduce(|| 0.0, f32::max);
-    let total: usize = 2 * grid.dim.iter().sum::<usize>();
-    let mut done = 0;
-    for (axis, reverse) in [(1, false), (1, true), (0, false), (0, true), (2, false), (2, true)] {
-        let sweep = Sweep { grid, facets, solid, exact_m, slack_m, axis };
-        let order: Vec<usize> =
-            if reverse { (0..grid.dim[axis]).rev().collect() } else { (0..grid.dim[axis]).collect() };
-        let mut front = Front::new(grid);
-        let mut next = Front::new(grid);
-        for (turn, &slice) in order.iter().enumerate() {
-            sweep.slice(slice, turn > 0, &front, &mut next, nearest);
-            std::mem::swap(&mut front, &mut next);
-            done += 1;
-            report(step, done, total)?;
-        }
-    }
-    Ok(())
-}
-
-/// Distances and triangles of the slice before; rows by x (or by y for sweeps along x).
-struct Front {
-    distance_m: Vec<f32>,
-    triangle: Vec<u32>,
-}
-
-impl Front {
-    fn new(grid: &Grid) -> Self {
-        let widest = grid.dim[0].max(grid.dim[1]) * grid.dim[1].max(grid.dim[2]);
-        Self { distance_m: vec![f32::INFINITY; widest], triangle: vec![NOBODY; widest] }
-    }
-}
-
-struct Sweep<'a> {
-    grid: &'a Grid,
-    facets: &'a [Facet],
-    solid: &'a [bool],
-    exact_m: f32,
-    slack_m: f32,
-    axis: usize,
-}
-
-impl Sweep<'_> {
-    /// Updates one slice from the front before it and makes it the next front.
-    fn slice(&self, at: usize, has_front: bool, front: &Front, next: &mut Front, nearest: &mut Nearest) {
-        let [nx, ny, nz] = self.grid.dim;
-        let plane = ny * nz;
-        let columns = if self.axis == 2 { ny } else { nz };
-        let rows = if self.axis == 0 { ny } else { nx };
-        let task = |row: usize, distance: &mut [f32], triangle: &mut [u32], d: &mut [f32], t: &mut [u32]| {
-            let step = if self.axis == 2 { nz } else { 1 };
-            for column in 0..columns {
-                let local = column * step;
-                let place = match self.axis {
-                    0 => [at, row, column],
-                    1 => [row, at, column],
-                    _ => [row, column, at],
-                };
-                if has_front && !(distance[local] <= self.exact_m) {
-                    let own = (distance[local], triangle[local]);
-                    let best = self.best(place, own, front, (row, column), (rows, columns));
-                    (distance[local], triangle[local]) = best;
-                }
-                d[column] = distance[local];
-                t[column] = triangle[local];
-            }
-        };
-        let fronts = next.distance_m.par_chunks_mut(columns).zip(next.triangle.par_chunks_mut(columns));
-        if self.axis == 0 {
-            let plane_range = at * plane..(at + 1) * plane;
-            let distance = nearest.distance_m[plane_range.clone()].par_chunks_mut(nz);
-            let triangle = nearest.triangle[plane_range].par_chunks_mut(nz);
-            distance.zip(triangle).zip(fronts).enumerate().with_min_len(8).for_each(
-                |(row, ((distance, triangle), (d, t)))| {
-                    task(row, distance, triangle, d, t);
-                },
-            );
-        } else {
-            let offset = if self.axis == 1 { at * nz } else { at };
-            let distance = nearest.distance_m.par_chunks_mut(plane);
-            let triangle = nearest.triangle.par_chunks_mut(plane);
-            distance.zip(triangle).zip(fronts).enumerate().with_min_len(8).for_each(
-                |(row, ((distance, triangle), (d, t)))| {
-                    task(row, &mut distance[offset..], &mut triangle[offset..], d, t);
-                },
-            );
-        }
-    }
-
-    /// The nearest of the sample's own triangle and those of five samples in the slice before.
-    #[inline]
-    fn best(
-        &self,
-        place: [usize; 3],
-        own: (f32, u32),
-        front: &Front,
-        (row, column): (usize, usize),
-        (rows, columns): (usize, usize),
-    ) -> (f32, u32) {
-        let p = self.grid.position(place);
-        let solid = self.solid[self.grid.index(place)];
-        let here = row * columns + column;
-        let cell = self.grid.cell_m;
-        let across = match self.axis {
-            0 => [cell.y, cell.z],
-            1 => [cell.x, cell.z],
-            _ => [cell.x, cell.y],
-        };
-        let straight = cell[self.axis];
-        let mut best = own;
-        let mut tried = NOBODY;
-        let mut consider = |at: usize, away_m: f32| {
-            let candidate = front.triangle[at];
-            if candidate == NOBODY || candidate == best.1 || candidate == tried {
-                return;
-            }
-            if front.distance_m[at] - away_m - self.slack_m >= best.0 {
-                return;
-            }
-            tried = candidate;
-            let facet = &self.facets[candidate as usize];
-            let distance = if solid { facet.distance2(p).sqrt() } else { facet.air_distance(p) };
-            if distance < best.0 {
-                best = (distance, candidate);
-            }
-        };
-        consider(here, straight);
-        let rowwise = straight.hypot(across[0]);
-        let columnwise = straight.hypot(across[1]);
-        if row > 0 {
-            consider(here - columns, rowwise);
-        }
-        if row + 1 < rows {
-            consider(here + columns, rowwise);
-        }
-        if column > 0 {
-            consider(here - 1, columnwise);
-        }
-        if column + 1 < columns {
-            consider(here + 1, columnwise);
-        }
-        best
-    }
-}
+/// A triangle must be nearer by this to replace another: neighbouring tiles of a flat wall would otherwise
+/// take each other's samples by rounding, over and over.
+const GAIN_M: f32 = 1e-6;

@@ -37,7 +37,7 @@ pub(in crate::scene) struct Lines {
     start: Vec<u32>,
     crossings: Vec<Crossing>,
     /// The two other axes, in ascending order.
-    pub across: [usize; 2],
+    across: [usize; 2],
     across_dim: [usize; 2],
 }
 
@@ -84,6 +84,15 @@ impl Lines {
     pub fn line(&self, u: usize, v: usize) -> &[Crossing] {
         let line = u * self.across_dim[1] + v;
         &self.crossings[self.start[line] as usize..self.start[line + 1] as usize]
+    }
+
+    /// Sample number `along` of the line through `(u, v)`.
+    #[inline]
+    pub fn sample(&self, u: usize, v: usize, along: usize) -> [usize; 3] {
+        let mut sample = [along; 3];
+        sample[self.across[0]] = u;
+        sample[self.across[1]] = v;
+        sample
     }
 
     /// Calls `visit(u, v, crossings)` for every line that meets anything.

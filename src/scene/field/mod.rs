@@ -5,9 +5,13 @@
 
 mod bake;
 mod distance;
+mod fronts;
 pub(super) mod grid;
+pub(super) mod indoors;
 pub(super) mod lines;
 mod sign;
+mod standing;
+mod sweep;
 #[cfg(test)]
 pub(super) mod test_room;
 #[cfg(test)]

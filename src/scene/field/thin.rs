@@ -51,10 +51,7 @@ fn for_each_step(grid: &Grid, lines: &[Lines; 3], mut visit: impl FnMut(usize, &
             for step in crossings.chunk_by(|a, b| a.before() == b.before()) {
                 let before = step[0].before();
                 if before >= 0 && (before as usize) + 1 < grid.dim[axis] {
-                    let mut place = [before as usize; 3];
-                    place[lines.across[0]] = u;
-                    place[lines.across[1]] = v;
-                    let index = grid.index(place);
+                    let index = grid.index(lines.sample(u, v, before as usize));
                     visit(axis, step, [index, index + stride]);
                 }
             }
@@ -89,7 +86,7 @@ pub(super) fn buried(grid: &Grid, lines: &[Lines; 3], solid: &[bool], facets: &[
         }
     });
     let near_air = |facet: &Facet| {
-        let [a, b, c] = *facet.corners();
+        let [a, b, c] = facet.corners();
         [(a + b + c) / 3.0, a, b, c].into_iter().any(|p| {
             let low = ((p - grid.origin) / grid.cell_m).floor();
             (0..8).any(|corner| {

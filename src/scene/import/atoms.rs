@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec3};
 
 use super::names;
-use crate::assets::{Mesh, Model, Part};
+use crate::assets::{Mesh, Model, NumberMap, Part};
 use crate::math::Aabb;
 use crate::scene::Category;
 
@@ -74,7 +74,7 @@ pub fn world_triangles<'a>(
 /// The mesh of a piece: the part's own, or a new one of the triangles in the piece.
 pub fn mesh_of(part: &Part, piece: &Piece) -> Arc<Mesh> {
     let Some(triangles) = &piece.triangles else { return part.mesh.clone() };
-    let mut new_of_old: HashMap<u32, u32> = HashMap::new();
+    let mut new_of_old: NumberMap<u32, u32> = NumberMap::default();
     let mut old_of_new = Vec::new();
     let mut number = |old: u32| {
         *new_of_old.entry(old).or_insert_with(|| {
@@ -207,7 +207,7 @@ fn material_category(model: &Model, parts: &[&Part]) -> Option<Category> {
 
 /// Connected components of the triangles of `parts`, in the order of their first triangle.
 fn components(model: &Model, parts: &[usize], world_from_file: Affine3A) -> Vec<Vec<Piece>> {
-    let mut number_of: HashMap<[i32; 3], u32> = HashMap::new();
+    let mut number_of: NumberMap<[i32; 3], u32> = NumberMap::default();
     let mut roots: Vec<u32> = Vec::new();
     let mut place_of: Vec<Vec<u32>> = Vec::new();
     for &part in parts {
@@ -231,7 +231,7 @@ fn components(model: &Model, parts: &[usize], world_from_file: Affine3A) -> Vec<
             join(&mut roots, b, c);
         }
     }
-    let mut order: HashMap<u32, usize> = HashMap::new();
+    let mut order: NumberMap<u32, usize> = NumberMap::default();
     let mut found: Vec<Vec<Piece>> = Vec::new();
     for (places, &part) in place_of.iter().zip(parts) {
         for (t, triangle) in model.parts[part].mesh.triangles.iter().enumerate() {

@@ -33,13 +33,36 @@ const STANDS_M: f32 = 0.08;
 struct Cluster {
     bounds: Aabb,
     category: Option<Category>,
+    /// The box around what has a name.
+    named: Aabb,
+}
+
+impl Cluster {
+    fn of(atom: &Atom) -> Self {
+        let named = if atom.category.is_some() { atom.bounds } else { Aabb::EMPTY };
+        Self { bounds: atom.bounds, category: atom.category, named }
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            bounds: self.bounds.union(other.bounds),
+            category: self.category.or(other.category),
+            named: self.named.union(other.named),
+        }
+    }
+
+    /// Whether what has a name makes up enough of the whole to give it its name: a plant in a cupboard doesn't
+    /// make the cupboard a plant.
+    fn deserves_its_name(&self) -> bool {
+        let volume = |b: Aabb| b.size().max(Vec3::splat(0.02)).element_product();
+        self.category.is_none() || volume(self.bounds) < 3.0 * volume(self.named)
+    }
 }
 
 /// The clusters of `atoms`, each as atom numbers; ordered by their first atom, every atom in exactly one.
 pub fn clusters(model: &Model, atoms: &[Atom], world_from_file: Affine3A) -> Vec<Vec<usize>> {
     let mut roots: Vec<u32> = (0..atoms.len() as u32).collect();
-    let mut clusters: Vec<Cluster> =
-        atoms.iter().map(|a| Cluster { bounds: a.bounds, category: a.category }).collect();
+    let mut clusters: Vec<Cluster> = atoms.iter().map(Cluster::of).collect();
     let touching = touching(model, atoms, world_from_file);
     for _ in 0..MAX_ROUNDS {
         let mut changed = false;
@@ -50,8 +73,7 @@ pub fn clusters(model: &Model, atoms: &[Atom], world_from_file: Affine3A) -> Vec
                 continue;
             }
             join(&mut roots, a, b);
-            let bounds = first.bounds.union(second.bounds);
-            clusters[a.min(b) as usize] = Cluster { bounds, category: first.category.or(second.category) };
+            clusters[a.min(b) as usize] = first.with(second);
             changed = true;
         }
         if !changed {
@@ -104,13 +126,9 @@ fn join_leftovers(atoms: &[Atom], clusters: &[Cluster], roots: &mut [u32]) {
 
 /// Whether two touching clusters are one thing, by how their boxes lie.
 fn belong_together(first: Cluster, second: Cluster) -> bool {
-    let volume = |c: Cluster| c.bounds.size().max(Vec3::splat(0.01)).element_product();
     let agree = match (first.category, second.category) {
         (Some(a), Some(b)) => a == b,
-        // A plant in a cupboard doesn't make the cupboard a plant.
-        (Some(_), None) => volume(second) < 2.0 * volume(first),
-        (None, Some(_)) => volume(first) < 2.0 * volume(second),
-        (None, None) => true,
+        _ => first.with(second).deserves_its_name(),
     };
     if !agree || !is_furniture_sized(first.bounds.union(second.bounds)) {
         return false;
@@ -137,7 +155,8 @@ fn belong_together(first: Cluster, second: Cluster) -> bool {
     }
     if lower.min.y.max(upper.min.y) < STANDS_M {
         // Both stand on the floor: a chair pushed under a table is no part of it, a leg is.
-        return inside > 0.8 || same_plan;
+        let beneath = lower.max.y < upper.min.y + 0.03;
+        return inside > 0.8 || same_plan || (carries && beneath);
     }
     inside > 0.5 || same_plan || carries || grows_out
 }

@@ -20,21 +20,30 @@ pub struct Patch {
     pub area: f32,
 }
 
+/// A mesh of so many triangles may be a scan, whose single triangles point anywhere: its smooth normals count.
+const SCAN_TRIANGLES: usize = 50_000;
+
 /// Every triangle of `model` with an area, in the file's frame.
 pub fn patches(model: &Model) -> Vec<Patch> {
     model
         .parts
         .par_iter()
         .flat_map_iter(|part| {
-            let mirrored = part.file_from_mesh.matrix3.determinant() < 0.0;
-            (0..part.mesh.triangles.len()).filter_map(move |t| {
+            let linear = part.file_from_mesh.matrix3;
+            let sign = linear.determinant().signum();
+            let smooth_from_mesh = linear.inverse().transpose();
+            let is_scan = part.mesh.triangles.len() > SCAN_TRIANGLES && !part.mesh.normals.is_empty();
+            part.mesh.triangles.iter().enumerate().filter_map(move |(t, triangle)| {
                 let [a, b, c] = part.mesh.corners(t).map(|p| part.file_from_mesh.transform_point3(p));
-                let cross = (b - a).cross(c - a) * if mirrored { -0.5 } else { 0.5 };
-                let normal = cross.try_normalize()?;
-                Some(Patch { centre: (a + b + c) / 3.0, normal, area: cross.length() })
+                let cross = (b - a).cross(c - a) * (0.5 * sign);
+                let own = cross.try_normalize()?;
+                let smooth = || triangle.iter().map(|v| part.mesh.normals[*v as usize]).sum::<Vec3>();
+                let normal = if is_scan { (smooth_from_mesh * smooth()).normalize_or(own) } else { own };
+                // Noise folds a surface up: what counts is its area seen along the smooth normal.
+                Some(Patch { centre: (a + b + c) / 3.0, normal, area: cross.dot(normal).abs() })
             })
         })
-        .filter(|p| p.area.is_finite())
+        .filter(|p| p.area.is_finite() && p.area > 0.0)
         .collect()
 }
 
@@ -69,13 +78,40 @@ fn first_beyond<'a>(along: impl Iterator<Item = &'a (f32, f32)>, share: f64) -> 
         .next()
 }
 
+/// Sides of the smallest rectangle, turned in steps of 3°, that holds the ground plan of what lies in
+/// `bounds`; from at most some ten thousand triangles, and no larger than `bounds` itself.
+fn turned_rectangle(patches: &[Patch], upright_from_file: Affine3A, bounds: Aabb) -> [f32; 2] {
+    let step = (patches.len() / 10_000).max(1);
+    let inside = bounds.grown(1e-3 * bounds.size().max_element());
+    let points: Vec<Vec3> = patches
+        .iter()
+        .step_by(step)
+        .map(|p| upright_from_file.transform_point3(p.centre))
+        .filter(|p| inside.contains(*p))
+        .collect();
+    let size = bounds.size().max(Vec3::splat(f32::MIN_POSITIVE));
+    let sides_at = |degrees: usize| {
+        let turn = glam::Mat3::from_rotation_y((degrees as f32).to_radians());
+        let turned = Aabb::of(points.iter().map(|p| turn * *p)).size();
+        [turned.x, turned.z]
+    };
+    let upright = sides_at(0);
+    // Centres lie inside large triangles: only how much a turn saves is known from them.
+    let area = |s: [f32; 2]| s[0] * s[1];
+    let best = (0..90).step_by(3).map(sides_at).min_by(|a, b| area(*a).total_cmp(&area(*b)));
+    match best {
+        Some(best) if points.len() > 100 && area(best) > 0.0 && area(best) < 0.9 * area(upright) => best,
+        _ => [size.x, size.z],
+    }
+}
+
 /// How the area of a model is spread over the heights above the lowest point, for one choice of up.
 #[derive(Clone, Debug)]
 pub struct Profile {
     /// Lowest and highest height, file units.
     pub low: f32,
     pub high: f32,
-    /// Extent across, file units.
+    /// Sides of the smallest rectangle around the ground plan, however it is turned, file units.
     pub across: [f32; 2],
     /// Area of surfaces that face up and down, by slice.
     pub up: Vec<f32>,
@@ -101,7 +137,7 @@ impl Profile {
         let mut profile = Self {
             low: bounds.min.y,
             high: bounds.max.y,
-            across: [size.x, size.z],
+            across: turned_rectangle(patches, upright_from_file, bounds),
             up: vec![0.0; BINS],
             down: vec![0.0; BINS],
             aligned_share: 0.0,

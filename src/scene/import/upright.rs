@@ -201,7 +201,8 @@ fn choose_up(
     match best {
         Some((score, up, profile, reasons)) => {
             let sure = if score - second > 1.5 { "" } else { " (not sure: check it)" };
-            evidence.push(format!("{} is up{sure}: {}", up.label(), reasons.join(", ")));
+            let reasons = if reasons.is_empty() { "it fits best".to_string() } else { reasons.join(", ") };
+            evidence.push(format!("{} is up{sure}: {reasons}", up.label()));
             (up, profile)
         }
         None => (UpAxis::Y, profile(UpAxis::Y)),
