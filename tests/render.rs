@@ -206,7 +206,7 @@ fn a_texture_is_seen_the_right_way_up() {
     builder.0.objects[0].parts[0].mesh = Arc::new(mesh);
     let camera = front();
     for picture in both(&builder.draw(), &camera) {
-        let [top, bottom] = [1.7, 0.3].map(|y| color_at(&picture, &camera, Vec3::new(0.0, y, 0.0)));
+        let [top, bottom] = [1.5, 0.5].map(|y| color_at(&picture, &camera, Vec3::new(0.0, y, 0.0)));
         assert!(top[0] > top[1] + 60, "top {top:?} in {}", picture.backend);
         assert!(bottom[1] > bottom[0] + 60, "bottom {bottom:?} in {}", picture.backend);
     }

@@ -58,6 +58,16 @@ fn somebody(id: u32) -> Person {
     }
 }
 
+/// A good body but for this penetration.
+fn measured_mm(penetration_max_mm: f32) -> BodyReport {
+    let mut report = BodyReport::default();
+    report.metrics.psi_non_collision = 1.0;
+    report.metrics.contact_2cm = true;
+    report.metrics.supported = true;
+    report.metrics.penetration_max_mm = penetration_max_mm;
+    report
+}
+
 fn thing(id: u32, name: &str, category: Category, height_m: f32) -> Object {
     let corner = |x: f32, z: f32| Vec3::new(x, height_m, z);
     let mesh = Mesh {
@@ -125,7 +135,10 @@ impl Engine for FakeEngine {
         let people: Vec<Person> = (0..task.people as u32).map(|i| somebody(task.next_id + i)).collect();
         let making = *self.making.lock().unwrap();
         match making {
-            Making::Quick => Ok(Made { people, ..Made::default() }),
+            Making::Quick => {
+                let reports = people.iter().map(|_| measured_mm(12.0)).collect();
+                Ok(Made { people, reports, ..Made::default() })
+            }
             Making::Breaks => panic!("index 7 is out of range"),
             Making::Endless => loop {
                 cx.step(0, 0)?;
@@ -136,12 +149,7 @@ impl Engine for FakeEngine {
     }
 
     fn measure(&self, _: &RoomGeometry, _: &BodyParams, _: &Ticker) -> Result<BodyReport, Stop> {
-        let mut report = BodyReport::default();
-        report.metrics.psi_non_collision = 1.0;
-        report.metrics.contact_2cm = true;
-        report.metrics.supported = true;
-        report.metrics.penetration_max_mm = 31.0;
-        Ok(report)
+        Ok(measured_mm(31.0))
     }
 
     fn pose(&self, body: &BodyParams) -> Arc<[Vec3]> {
@@ -402,12 +410,38 @@ fn locked_people_survive_delete_and_the_rest_goes_in_one_step() {
 fn the_worst_finding_is_one_key_away() {
     let mut user = User::opens_the_study();
     user.populates(2);
-    user.waits(EditorState::has_findings);
+    user.presses(Modifiers::COMMAND, Key::A);
+    super::actions::measure_again(user.state());
+    user.waits(|state| state.findings().len() == 2);
     user.state().selection.clear();
     user.presses(Modifiers::NONE, Key::N);
     assert_eq!(user.state().selection.active_person(), Some(PersonId(0)));
     user.presses(Modifiers::NONE, Key::N);
     assert_eq!(user.state().selection.active_person(), Some(PersonId(1)));
+}
+
+#[test]
+fn looking_at_a_person_changes_nothing_and_measures_nothing_again() {
+    let mut user = User::opens_the_study();
+    user.populates(1);
+    let mut body = somebody(0).body;
+    body.betas[0] = 0.123_456;
+    body.betas[1] = -3.7;
+    user.state().apply(Command::SetBody(PersonId(0), body.clone()));
+    user.state().selection.only(Item::Person(PersonId(0)));
+    user.waits(|state| state.measured(PersonId(0)).is_some());
+    let revision = user.state().document.revision();
+    user.harness.run_steps(6);
+    assert_eq!(user.state().document.revision(), revision);
+    assert_eq!(user.state().document.scene().people[0].body, body);
+}
+
+#[test]
+fn what_was_measured_while_people_were_made_is_kept() {
+    let mut user = User::opens_the_study();
+    user.populates(2);
+    let measured = user.state().measured(PersonId(1)).expect("measured by the job itself");
+    assert_eq!(measured.report.metrics.penetration_max_mm, 12.0);
 }
 
 #[test]
@@ -426,6 +460,7 @@ fn closing_with_unsaved_people_asks_first() {
 fn every_page_has_names_for_its_widgets_and_letters_that_can_be_read() {
     let mut user = User::opens_the_study();
     user.populates(2);
+    super::actions::measure_again(user.state());
     user.waits(EditorState::has_findings);
     user.state().notices.error("Something failed", "room.glb: why");
     user.state().notices.warning("Something was left out");

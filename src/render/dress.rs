@@ -112,10 +112,10 @@ pub struct Outfit {
     pub shoe_y: f32,
     /// `y` where shirt and trousers meet.
     pub waist_y: f32,
-    /// `y` of the neckline above the spine.
-    pub neck_y: f32,
-    /// How much it falls for each metre towards the front.
-    pub neck_fall: f32,
+    /// Radius of the neckline about the throat.
+    pub neck_m: f32,
+    /// How far its middle lies towards the front: more shows more of the chest, less of the nape.
+    pub neck_z: f32,
 }
 
 /// Skin tones from light to dark, sRGB.
@@ -126,8 +126,8 @@ const SKINS: [[u8; 3]; 8] = [
     [198, 145, 110],
     [173, 120, 86],
     [146, 97, 67],
-    [112, 74, 52],
-    [86, 57, 42],
+    [126, 85, 61],
+    [104, 70, 51],
 ];
 
 /// Hair colours, sRGB.
@@ -176,10 +176,13 @@ impl Outfit {
         let sleeve_x = [0.335, 0.655, 0.36, 0.64][pick(3, 1) as usize % 4];
         let stripe_m = [0.0, 0.0, 0.05, 0.0, 0.0][pick(2, 0) as usize % 5];
         let leg_y = if pick(7, 3) % 6 == 0 { -0.47 } else { -0.835 };
-        let neck_fall = [0.45, 0.7, 0.35][pick(2, 1) as usize % 3];
+        let (neck_m, neck_z) = [(0.098, 0.04), (0.112, 0.055), (0.092, 0.035)][pick(2, 1) as usize % 3];
+        let skin = pick(3, 1) as usize % SKINS.len();
+        // Fair hair goes with fair skin: the darker half wears the first three and grey.
+        let hairs: &[usize] = if skin < SKINS.len() / 2 { &[0, 1, 2, 3, 4, 5, 6] } else { &[0, 1, 0, 2, 6] };
         Self {
-            skin: at(&SKINS, pick(3, 1)),
-            hair: at(&HAIRS, pick(5, 2)),
+            skin: linear_rgb(SKINS[skin]),
+            hair: linear_rgb(HAIRS[hairs[pick(5, 2) as usize % hairs.len()]]),
             hair_style: if pick(3, 0) % 5 < 2 { Hair::Long } else { Hair::Short },
             shirt: linear_rgb(shirt),
             trim: linear_rgb(trim),
@@ -190,15 +193,16 @@ impl Outfit {
             shoes: at(&SHOES, pick(5, 1)),
             shoe_y: -0.825,
             waist_y: 0.045,
-            neck_y: 0.527,
-            neck_fall,
+            neck_m,
+            neck_z,
         }
     }
 
     /// Linear RGB of the point `rest` of the dressed body; a pixel is `width_m` wide there.
     pub fn color_at(&self, rest: Vec3, width_m: f32) -> Vec3 {
         let (x, cover) = (rest.x.abs(), |inside: f32| cover(inside, width_m));
-        let neck = self.neck_y - self.neck_fall * (rest.z + 0.02) - rest.y;
+        let throat = Vec3::new(0.0, 0.565, self.neck_z);
+        let neck = (rest.distance(throat) - self.neck_m).min(0.548 - rest.y);
         let arm = self.sleeve_x - x;
         let leg = rest.y - self.leg_y;
         let mut c = self.face_at(rest, width_m).lerp(self.hair, cover(self.hair_inside(rest)));
@@ -207,7 +211,8 @@ impl Outfit {
         c = c.lerp(trousers, cover((self.waist_y - rest.y).min(leg)));
         let mut cloth = self.shirt;
         if self.stripe_m > 0.0 {
-            let phase = ((rest.y / self.stripe_m).rem_euclid(1.0) - 0.5).abs() * self.stripe_m;
+            let along = rest.y - (x - 0.19).max(0.0);
+            let phase = ((along / self.stripe_m).rem_euclid(1.0) - 0.5).abs() * self.stripe_m;
             cloth = cloth.lerp(self.trim, cover(phase - 0.32 * self.stripe_m));
         }
         cloth = cloth.lerp(self.trim, cover(0.012 - neck.min(arm)));
@@ -249,7 +254,7 @@ impl Outfit {
             Hair::Short => (0.077 - x).max(p.y - 0.685),
             Hair::Long => f32::INFINITY,
         };
-        top.max(back).min(ear)
+        smooth_max(top, back).min(ear)
     }
 
     /// The same numbers as `shaders/people.wgsl` reads them; `alpha` how solid, `by_heat` whether colours
@@ -266,7 +271,7 @@ impl Outfit {
             self.trim.extend(self.stripe_m),
             self.trousers.extend(self.leg_y),
             self.shoes.extend(self.shoe_y),
-            Vec4::new(self.waist_y, self.neck_y, self.neck_fall, f32::from(u8::from(by_heat))),
+            Vec4::new(self.waist_y, self.neck_m, self.neck_z, f32::from(u8::from(by_heat))),
         ]
     }
 }
@@ -282,4 +287,10 @@ fn cover(inside: f32, width_m: f32) -> f32 {
 /// Cloth has thickness: what lies beside its hem is a little darker.
 fn hem_shade(outside: f32) -> f32 {
     1.0 - 0.45 * (-outside.max(0.0) / 0.006).exp()
+}
+
+/// The larger of two distances, rounded where they meet within 3 cm: a hairline has no corners.
+fn smooth_max(a: f32, b: f32) -> f32 {
+    let near = (1.0 - (a - b).abs() / 0.03).max(0.0);
+    a.max(b) + near * near * 0.0075
 }

@@ -1,6 +1,6 @@
 //! Details of what is selected: a person's metrics, findings and shape; an object's name and category.
 
-use egui::{Color32, Grid, RichText, ScrollArea, Slider, Ui};
+use egui::{Color32, Grid, RichText, ScrollArea, Slider, SliderClamping, Ui};
 
 use super::findings::number_text;
 use super::outliner::capitalised;
@@ -148,7 +148,11 @@ fn shape(ui: &mut Ui, state: &mut EditorState, person: &Person) {
             let name = SHAPE_NAMES.get(i).map_or_else(|| format!("Shape {}", i + 1), |n| (*n).to_owned());
             let label = ui.label(name);
             let mut value = person.body.betas[i];
-            let response = ui.add(Slider::new(&mut value, -3.0..=3.0).max_decimals(2)).labelled_by(label.id);
+            // Neither clamped nor rounded: a slider that is only looked at must not change anybody.
+            let slider = Slider::new(&mut value, -3.0..=3.0)
+                .clamping(SliderClamping::Never)
+                .custom_formatter(|number, _| format!("{number:.2}"));
+            let response = ui.add(slider).labelled_by(label.id);
             drag_step(state, &response, "Change shape");
             if response.changed() {
                 actions::set_beta(state, person.id, i, value);

@@ -189,7 +189,8 @@ impl<'a> Caster<'a> {
         let Some(solid) = &seen.solid else { return Open::FULL };
         let normal = turned(solid.surface.normal, seen.to_eye);
         let from = solid.at + normal * LIFT_M;
-        let casts = |t: usize| self.world.casts_shadow(t, self.rig.to_key);
+        // What is cut away for the camera must not darken what it then shows.
+        let casts = |t: usize| self.is_shown(t) && self.world.casts_shadow(t, self.rig.to_key);
         let blocked =
             |direction: Vec3, max_m: f32| self.world.trace(from, direction, max_m, |h| casts(h.triangle));
         let [a, b] = noise(x, y, 0);

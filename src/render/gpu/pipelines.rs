@@ -79,6 +79,8 @@ impl Pipelines {
         let person = Recipe {
             groups: &[Some(&layouts.lit), Some(&layouts.person)],
             buffers: &people::BUFFERS,
+            // Bodies are closed: their inside is never seen.
+            cull: Some(wgpu::Face::Back),
             ..Recipe::new(device, "person", &shaders.people)
         };
         let person_shadow = Recipe { groups: &[Some(&layouts.frame)], ..person };
@@ -266,11 +268,12 @@ struct Recipe<'a> {
     groups: &'a [Option<&'a wgpu::BindGroupLayout>],
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     strip: bool,
+    cull: Option<wgpu::Face>,
 }
 
 impl<'a> Recipe<'a> {
     fn new(device: &'a wgpu::Device, label: &'a str, shader: &'a wgpu::ShaderModule) -> Self {
-        Self { device, label, shader, groups: &[], buffers: &[], strip: false }
+        Self { device, label, shader, groups: &[], buffers: &[], strip: false, cull: None }
     }
 
     fn make(&self, vs: &str, fs: Option<&str>, depth: DepthUse, paint: Paint) -> wgpu::RenderPipeline {
@@ -294,7 +297,11 @@ impl<'a> Recipe<'a> {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: self.buffers,
             },
-            primitive: wgpu::PrimitiveState { topology, ..wgpu::PrimitiveState::default() },
+            primitive: wgpu::PrimitiveState {
+                topology,
+                cull_mode: self.cull,
+                ..wgpu::PrimitiveState::default()
+            },
             depth_stencil: depth.state(),
             multisample: wgpu::MultisampleState {
                 count: paint.samples(),

@@ -66,9 +66,11 @@ fn lit(s: Surface, p: vec3f, n: vec3f) -> vec4f {
     let d = n_dot_h * n_dot_h * (a * a - 1.0) + 1.0;
     let lobe = a * a / (4.0 * d * d * max(n_dot_v, 0.2));
     let gloss = 1.0 - s.roughness;
-    let fresnel = f0 + (max(vec3f(gloss), f0) - f0) * pow(1.0 - n_dot_v, 5.0);
+    let grazing = 1.0 - n_dot_v;
+    let grazing3 = grazing * grazing * grazing;
+    let fresnel = f0 + (max(vec3f(gloss), f0) - f0) * (grazing3 * grazing * grazing);
     let mirrored = hemisphere(reflect(-v, n)) * fresnel * (0.35 + 0.65 * gloss);
-    let edge = pow(1.0 - n_dot_v, 3.0) * (0.4 + 0.6 * max(n.y, 0.0));
+    let edge = grazing3 * (0.4 + 0.6 * max(n.y, 0.0));
     let direct = (diffuse + f0 * min(lobe, 4.0)) * key * frame.key.rgb + s.emissive;
     let indirect = ambient + mirrored + s.rim * frame.ground.w * edge;
     let color = direct + indirect;

@@ -7,7 +7,7 @@ struct Person {
     trim: vec4f,      // linear rgb of collar, cuffs and stripes; w: stripes' period in metres, 0 none
     trousers: vec4f,  // linear rgb; w: leg's end, y in the T-pose
     shoes: vec4f,     // linear rgb; w: shaft's end, y in the T-pose
-    cut: vec4f,       // waist y, neckline y at the spine, neckline's fall to the front; w: 1 painted by heat
+    cut: vec4f,       // waist y, neckline's radius, z of its middle; w: 1 painted by heat
 }
 @group(1) @binding(0) var<uniform> person: Person;
 
@@ -28,7 +28,8 @@ struct Varying {
 
 @vertex
 fn vs(v: Vertex) -> Varying {
-    return Varying(frame.clip_from_world * vec4f(v.position, 1.0), v.position, v.normal, v.rest, v.heat);
+    return Varying(frame.clip_from_world * vec4f(v.position, 1.0), v.position, v.normal, v.rest,
+        vec4f(pow(v.heat.rgb, vec3f(2.2)), 1.0));
 }
 
 @vertex
@@ -53,7 +54,8 @@ fn hair_inside(p: vec3f, style: f32) -> f32 {
     let rise = select(1.2, 0.35, style > 1.5);
     let back = min(0.078 - p.z, (p.y - nape - max(p.z, 0.0) * rise) * 0.64);
     let ear = select(max(0.077 - x, p.y - 0.685), 1.0, style > 1.5);
-    return min(max(top, back), ear);
+    let near = max(1.0 - abs(top - back) / 0.03, 0.0);
+    return min(max(top, back) + near * near * 0.0075, ear);
 }
 
 fn face(p: vec3f, base: vec3f, width: f32) -> vec3f {
@@ -77,7 +79,7 @@ fn eye(p: vec3f, width: f32) -> vec3f {
 fn dressed(p: vec3f, part: f32, width: f32) -> vec3f {
     if (part > 0.5) { return eye(p, width); }
     let x = abs(p.x);
-    let neck = person.cut.y - person.cut.z * (p.z + 0.02) - p.y;
+    let neck = min(distance(p, vec3f(0.0, 0.565, person.cut.z)) - person.cut.y, 0.548 - p.y);
     let arm = person.shirt.w - x;
     let shirt = min(min(p.y - person.cut.x, neck), arm);
     let leg = p.y - person.trousers.w;
@@ -90,7 +92,8 @@ fn dressed(p: vec3f, part: f32, width: f32) -> vec3f {
     c = mix(c, person.trousers.rgb * hem_shade(p.y - person.cut.x + 0.02), cover(trousers, width));
     var cloth = person.shirt.rgb;
     if (person.trim.w > 0.0) {
-        let phase = abs(fract(p.y / person.trim.w) - 0.5) * person.trim.w;
+        let along = p.y - max(x - 0.19, 0.0);
+        let phase = abs(fract(along / person.trim.w) - 0.5) * person.trim.w;
         cloth = mix(cloth, person.trim.rgb, cover(phase - 0.32 * person.trim.w, width));
     }
     cloth = mix(cloth, person.trim.rgb, cover(0.012 - min(neck, arm), width));
@@ -107,7 +110,7 @@ fn shaded(v: Varying, width: f32) -> vec4f {
     let painted = person.cut.w > 0.5;
     let part = v.rest.w;
     let skin = !painted && part < 0.5;
-    let base = select(dressed(v.rest.xyz, part, width), pow(v.heat.rgb, vec3f(2.2)), painted);
+    let base = select(dressed(v.rest.xyz, part, width), v.heat.rgb, painted);
     let eye_gloss = select(0.72, 0.15, part > 0.5 && !painted);
     let s = Surface(base, vec3f(0.0), 0.0, eye_gloss, select(0.4, 1.0, skin));
     return lit(s, v.world, n);

@@ -50,12 +50,11 @@ fn vs(v: Vertex) -> Varying {
     );
     let cut = frame.cut.w > 0.5 && is_cut(v, world, frame.cut.xyz);
     let clip = select(frame.clip_from_world * vec4f(world, 1.0), NOWHERE, cut);
-    return Varying(clip, world, normal, v.uv, v.color);
+    return Varying(clip, world, normal, v.uv, vec4f(pow(v.color.rgb, vec3f(2.2)), v.color.a));
 }
 
 fn base_of(v: Varying) -> vec4f {
-    let color = vec4f(pow(v.color.rgb, vec3f(2.2)), v.color.a);
-    return material.base * color * textureSample(base_texture, base_sampler, v.uv);
+    return material.base * v.color * textureSample(base_texture, base_sampler, v.uv);
 }
 
 fn shaded(v: Varying, base: vec3f) -> vec4f {

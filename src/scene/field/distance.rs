@@ -84,6 +84,12 @@ impl Facet {
     pub fn distance(&self, p: Vec3, solid: bool) -> (f32, Vec3) {
         let (shift, radius_m) = if solid { (Vec3::ZERO, 0.0) } else { (self.shift, self.radius_m) };
         let at = self.local(p - shift);
+        let edge = Vec2::new(self.c.x - self.b, self.c.y);
+        let left_of_bc = at.y * edge.x - (at.x - self.b) * edge.y >= 0.0;
+        if at.y >= 0.0 && left_of_bc && at.x * self.c.y - at.y * self.c.x >= 0.0 {
+            // Right over the triangle: what most samples far from edges are.
+            return (at.z.abs() - radius_m, self.normal * 1.0_f32.copysign(at.z));
+        }
         let (dx, dy) = self.offsets(Vec4::splat(at.x), Vec4::splat(at.y));
         let away = Vec3::new(dx.x, dy.x, at.z);
         let distance = away.length();

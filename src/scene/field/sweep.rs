@@ -65,10 +65,10 @@ impl Direction {
         Self(part(unit.x) | part(unit.y) << 10 | part(unit.z) << 20)
     }
 
+    /// Its part along `axis`.
     #[inline]
-    fn unpack(self) -> Vec3 {
-        let part = |shift: u32| (self.0 >> shift & 1023) as i32 as f32 * (1.0 / Self::SCALE) - 1.0;
-        Vec3::new(part(0), part(10), part(20))
+    fn along(self, axis: usize) -> f32 {
+        (self.0 >> (10 * axis) & 1023) as i32 as f32 * (1.0 / Self::SCALE) - 1.0
     }
 }
 
@@ -280,17 +280,34 @@ impl Sweep<'_> {
     }
 
     fn hand_on(&self, way: Way, samples: &Samples, next: &mut Row) {
+        // The same loop, once for the compiler to see that the samples are adjacent.
+        if samples.stride == 1 {
+            self.hand_on_by(1, way, samples, next)
+        } else {
+            self.hand_on_by(samples.stride, way, samples, next)
+        }
+    }
+
+    #[inline(always)]
+    fn hand_on_by(&self, stride: usize, way: Way, samples: &Samples, next: &mut Row) {
         let cell = self.grid.cell_m;
         let ahead = if way.reverse { -cell[way.ahead] } else { cell[way.ahead] };
-        for column in 0..samples.len {
-            let here = column * samples.stride;
-            let gradient = samples.gradient[here].unpack();
+        let (column_m, row_m) = (cell[way.column], cell[way.row]);
+        let span = (samples.len - 1) * stride + 1;
+        let (distance_m, triangle) = (&samples.distance_m[..span], &samples.triangle[..span]);
+        let (gradient, solid) = (&samples.gradient[..span], &self.solid[samples.index..samples.index + span]);
+        let inside = 1..samples.len + 1;
+        let bounds = next.ahead_m[inside.clone()].iter_mut().zip(&mut next.triangle[inside.clone()]);
+        let slopes = next.column_m[inside.clone()].iter_mut().zip(&mut next.row_m[inside]);
+        for (column, ((bound, number), (along_column, along_row))) in bounds.zip(slopes).enumerate() {
+            let here = column * stride;
+            let direction = gradient[here];
             // Solid samples measure to bare triangles, which says less about thickened ones.
-            let slack_m = if self.solid[samples.index + here] { self.slack_m } else { 0.0 };
-            next.ahead_m[column + 1] = samples.distance_m[here] + gradient[way.ahead] * ahead - slack_m;
-            next.column_m[column + 1] = gradient[way.column] * cell[way.column];
-            next.row_m[column + 1] = gradient[way.row] * cell[way.row];
-            next.triangle[column + 1] = samples.triangle[here];
+            let slack_m = if solid[here] { self.slack_m } else { 0.0 };
+            *bound = distance_m[here] + direction.along(way.ahead) * ahead - slack_m;
+            *along_column = direction.along(way.column) * column_m;
+            *along_row = direction.along(way.row) * row_m;
+            *number = triangle[here];
         }
     }
 }
