@@ -32,8 +32,7 @@ impl<'a> Photographer<'a> {
         let body = Body::bundled();
         let mut draw = SceneDraw::of_room(scene);
         draw.body = Some(Arc::new(BodySurface::of(body)));
-        let dressed =
-            |p: &Person| PersonDraw::new(p.id, body.pose(&p.body).vertices.into(), p.palette);
+        let dressed = |p: &Person| PersonDraw::new(p.id, body.pose(&p.body).vertices.into(), p.palette);
         draw.people = scene.people.iter().filter(|p| p.visible).map(dressed).collect();
         Ok(Self { folder, painter: Painter::new(Backend::Auto)?, draw })
     }
@@ -64,7 +63,12 @@ impl<'a> Photographer<'a> {
     ///
     /// # Errors
     /// When a picture can't be drawn or written.
-    pub fn person(&self, person: &PopulatedPerson, geometry: &RoomGeometry, sides: usize) -> anyhow::Result<()> {
+    pub fn person(
+        &self,
+        person: &PopulatedPerson,
+        geometry: &RoomGeometry,
+        sides: usize,
+    ) -> anyhow::Result<()> {
         let id = person.person.id;
         let Some(index) = self.draw.people.iter().position(|p| p.id == id) else { return Ok(()) };
         let vertices = &self.draw.people[index].vertices;

@@ -60,8 +60,9 @@ pub fn run(arguments: &TrainArguments) -> anyhow::Result<Ended> {
 
 /// Every clip of every npz in the folder, in the order of the file names.
 fn read_corpus(folder: &Path) -> anyhow::Result<Vec<PoseClip>> {
-    let listing = fs::read_dir(folder)
-        .with_context(|| format!("can't read the corpus {}: name a folder with --corpus", folder.display()))?;
+    let listing = fs::read_dir(folder).with_context(|| {
+        format!("can't read the corpus {}: name a folder with --corpus", folder.display())
+    })?;
     let mut files: Vec<PathBuf> = listing.filter_map(|e| e.ok().map(|e| e.path())).collect();
     files.retain(|f| f.extension().is_some_and(|e| e == "npz"));
     files.sort();

@@ -50,7 +50,12 @@ struct Scratch {
 impl<'a> Fitter<'a> {
     /// A fitter of `body`.
     pub fn new(body: &'a Body) -> Self {
-        Self { body, probe: Probe::new(body), psi_contact: body.regions.prox_sample(), limits: joint_limits() }
+        Self {
+            body,
+            probe: Probe::new(body),
+            psi_contact: body.regions.prox_sample(),
+            limits: joint_limits(),
+        }
     }
 
     /// Descends from `start`. `preview` gets the body every [`FitConfig::preview_every`] iterations.

@@ -27,8 +27,8 @@ pub use draw::{Cutaway, DepthTest, Line, Look, PersonDraw, Point, Quality, Scene
 pub use dress::{BodySurface, Hair, Outfit, SurfacePart};
 pub use error::RenderError;
 pub use gpu::Viewport;
-pub use light::srgb_from_linear;
 pub use heat::{CONTACT_M, DEEP_END_M, FREE_END_M, HeatTick, STOPS, TICKS, heat_color, heat_position};
+pub use light::srgb_from_linear;
 pub use painter::{Backend, Painter, picture};
 pub use pick::{Pick, Picked, Picker};
 pub use picture::{MAX_SIDE, Picture, render_image};
