@@ -289,7 +289,8 @@ fn pass_up_the_tree(ws: &Workspace, joints: &mut JointGradients, local: &mut [Ve
 
 fn shape_gradient(subset: &VertexSubset, at_rest: &[Block]) -> [f32; BETAS] {
     let mut sums = [[0.0f32; BLOCK]; BETAS];
-    for (dirs, gradient) in subset.shape_dirs.iter().zip(at_rest) {
+    // Most skin is neither in contact nor in anything: whole blocks of it say nothing.
+    for (dirs, gradient) in subset.shape_dirs.iter().zip(at_rest).filter(|(_, g)| **g != [0.0; BLOCK]) {
         for (sum, dir) in sums.iter_mut().zip(dirs) {
             for ((s, d), g) in sum.iter_mut().zip(dir).zip(gradient) {
                 *s += d * g;

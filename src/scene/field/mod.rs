@@ -18,7 +18,7 @@ pub(super) mod test_room;
 mod tests;
 mod thin;
 
-use glam::Vec3;
+use glam::{UVec3, Vec3};
 
 use crate::math::Aabb;
 
@@ -72,8 +72,11 @@ impl SignedDistanceField {
         let in_cells = (p - self.origin) / self.cell_m;
         // max before min, so that NaN ends at sample 0 and never indexes outside.
         let inside = in_cells.max(Vec3::ZERO).min(self.last());
-        let base = inside.floor().min(self.last() - Vec3::ONE);
-        let (x, y, z) = (base.x as usize, base.y as usize, base.z as usize);
+        // Truncation is the floor of what is not negative, and needs no call on any processor.
+        let cells = UVec3::new(self.dim[0] as u32, self.dim[1] as u32, self.dim[2] as u32) - 2;
+        let corner = inside.as_uvec3().min(cells);
+        let base = corner.as_vec3();
+        let (x, y, z) = (corner.x as usize, corner.y as usize, corner.z as usize);
         let row = self.dim[2];
         let plane = self.dim[1] * row;
         let start = x * plane + y * row + z;
