@@ -19,6 +19,8 @@ const PELVIS_TO_BACK_M: f32 = 0.14;
 pub const LAST_RESORT: f32 = 0.05;
 /// Least room for the pelvis on a seat.
 const LEAST_DEPTH_M: f32 = 0.2;
+/// Smaller surfaces with a back are no seats: 35 x 35 cm.
+const LEAST_SEAT_M2: f32 = 0.12;
 /// Half the width that somebody sitting takes.
 const HALF_WIDTH_M: f32 = 0.16;
 /// Room over the seat for torso and head.
@@ -175,12 +177,18 @@ fn inviting(category: Category) -> f32 {
 /// rise from.
 fn is_rim(geometry: &RoomGeometry, surface: &SupportSurface) -> bool {
     let same = |s: &&SupportSurface| s.object.is_some() && s.object == surface.object;
-    let lower = |s: &&SupportSurface| s.height_m < surface.height_m - 0.05 && !s.backs.is_empty();
+    let lower = |s: &&SupportSurface| s.height_m < surface.height_m - 0.05 && could_be_seat(s);
     surface.object.is_some()
         && geometry.supports.iter().filter(same).filter(lower).any(|s| {
             let (a, b) = (s.bounds.grown(0.15), surface.bounds);
             a.min.x < b.max.x && b.min.x < a.max.x && a.min.z < b.max.z && b.min.z < a.max.z
         })
+}
+
+/// Whether somebody could sit on the surface itself: something rises from it, and it is high and large enough.
+fn could_be_seat(surface: &SupportSurface) -> bool {
+    let high = surface.edges.iter().any(|e| SEAT_HEIGHT_M.contains(&e.drop_m) && e.leg_free_m > LEG_ROOM_M);
+    high && !surface.backs.is_empty() && surface.area_m2 > LEAST_SEAT_M2
 }
 
 /// Straight legs along a bed or sofa: something to rest the back on is welcome, not needed.
