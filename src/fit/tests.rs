@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::*;
-use crate::body::Body;
+use crate::body::{Body, Region};
 use crate::job::{Seed, Ticker};
 use crate::scene::{BodyParams, PARAMS, PoseFamily, SignedDistanceField};
 
@@ -132,13 +132,13 @@ fn a_sheet_too_thin_for_the_field_is_pushed_out_of_the_body() {
     let mut start = BodyParams { translation: Vec3::new(0.0, 1.0, 0.8), ..BodyParams::default() };
     let lowest = body.pose(&start).vertices.iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
     start.translation.y -= lowest;
-    // A vertical sheet that cuts 3 cm into whatever of the body is foremost.
-    let foremost = body.pose(&start).vertices.iter().map(|v| v.z).fold(f32::NEG_INFINITY, f32::max);
-    let depth_z = foremost - 0.03;
-    let steps =
-        |low: f32, high: f32| (0..).map(move |i| low + 0.03 * i as f32).take_while(move |v| *v < high);
-    let surface: Vec<Vec3> =
-        steps(-0.4, 0.4).flat_map(|x| steps(0.1, 1.6).map(move |y| Vec3::new(x, y, depth_z))).collect();
+    // A small vertical sheet 3 cm inside the foremost point of chest and belly.
+    let posed = body.pose(&start).vertices;
+    let torso = body.regions.vertices(Region::Front).iter().map(|v| posed[*v as usize]);
+    let foremost = torso.max_by(|a, b| a.z.total_cmp(&b.z)).expect("a body has a front");
+    let steps = || (-4i8..=4).map(|i| 0.02 * f32::from(i));
+    let patch = steps().flat_map(|x| steps().map(move |y| Vec3::new(x, y, -0.03)));
+    let surface: Vec<Vec3> = patch.map(|offset| foremost + offset).collect();
     let deepest = |params: &BodyParams| {
         let solid = crate::inspect::BodySolid::new(&body.pose(params).vertices, &body.model.faces);
         surface.iter().map(|p| solid.depth(*p)).fold(0.0, f32::max)
