@@ -41,7 +41,11 @@ fn name(model: &Model, members: &[&Atom]) -> Option<String> {
     let largest = |a: &&&Atom, b: &&&Atom| a.area.total_cmp(&b.area);
     let telling = members.iter().filter(|a| a.category.is_some()).max_by(largest);
     let atom = telling.or_else(|| members.iter().max_by(largest))?;
-    let name = &model.parts[atom.pieces.first()?.part].name;
+    let part = &model.parts[atom.pieces.first()?.part];
+    // A numbered child of the thing itself, as this program and others write things of several meshes.
+    let is_child_of =
+        |parent: &&String| part.name.strip_prefix(parent.as_str()).is_some_and(|n| n.starts_with('.'));
+    let name = part.path.last().filter(|p| !p.is_empty()).filter(is_child_of).unwrap_or(&part.name);
     (!name.is_empty()).then(|| name.clone())
 }
 
