@@ -10,13 +10,14 @@ use crate::scene::{Category, PACKET, PacketCaster, Room, RoomGeometry};
 
 /// Pixels along each side of a packet's tile.
 const TILE: u32 = 4;
-/// A room without a ceiling is closed at least this high above its lowest point, in metres.
-const ROOM_HEIGHT_M: f32 = 2.5;
+/// A room without a ceiling is closed at least this high above its lowest point, in metres; as the distance field
+/// closes it.
+const ROOM_HEIGHT_M: f32 = 2.4;
 
 /// What a ray sees that leaves the room through a hole: open scans have no walls or ceiling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Enclosure {
-    /// The room is closed by virtual walls, floor and ceiling at the box around its objects (at least 2.5 m
+    /// The room is closed by virtual walls, floor and ceiling at the box around its objects (at least 2.4 m
     /// high), as PSI closed the open scans of PROX (§4.1.1). Seen from inside only.
     #[default]
     Box,
@@ -194,7 +195,7 @@ impl Capture {
     }
 }
 
-/// The box that closes a room: that around its objects, at least 2.5 m high.
+/// The box that closes a room: that around its objects, at least 2.4 m high.
 pub(super) fn enclosing_box(bounds: &Aabb) -> Aabb {
     let top = bounds.max.y.max(bounds.min.y + ROOM_HEIGHT_M);
     Aabb { min: bounds.min, max: Vec3::new(bounds.max.x, top, bounds.max.z) }
@@ -234,7 +235,7 @@ mod tests {
         assert!((closed.depth_m[4 * 9 + 4] - 3.0).abs() < 1e-4);
         assert_eq!(closed.labels[4 * 9 + 4], label_of(Category::Wall));
         let up = Sensor::new(&room, geometry).capture(&View::look_at(eye, eye + Vec3::Y, lens));
-        assert!((up.depth_m[4 * 9 + 4] - 1.0).abs() < 1e-4, "the virtual ceiling is 2.5 m high");
+        assert!((up.depth_m[4 * 9 + 4] - 0.89).abs() < 1e-4, "2.4 m over the floor's underside");
         assert_eq!(up.labels[4 * 9 + 4], label_of(Category::Ceiling));
         let open = Sensor::with_enclosure(&room, &geometry, Enclosure::Open).capture(&view);
         assert_eq!((open.depth_m[4 * 9 + 4], open.labels[4 * 9 + 4]), (0.0, 0));

@@ -6,7 +6,9 @@ use std::sync::{Arc, OnceLock};
 use glam::{Affine3A, Vec3};
 
 use crate::assets::Mesh;
-use crate::scene::{Category, GeometryConfig, Object, ObjectId, ObjectPart, Room, RoomGeometry, bake};
+use crate::scene::{
+    Category, FieldConfig, GeometryConfig, Object, ObjectId, ObjectPart, Resolution, Room, RoomGeometry, bake,
+};
 
 /// 6 x 2.7 x 5 m about the origin with sofa, table, wardrobe and bed; the sofa's back is at -z.
 pub fn furnished() -> (Room, &'static RoomGeometry) {
@@ -48,7 +50,9 @@ pub fn open_floor() -> (Room, &'static RoomGeometry) {
 fn geometry_of(room: &Room) -> RoomGeometry {
     let (owner, triangles): (Vec<_>, Vec<_>) = room.world_triangles().unzip();
     let go_on = |_, _| ControlFlow::Continue(());
-    let config = GeometryConfig::default();
+    let resolution = Resolution::Cells { cell_m: 0.05, max_bytes: 64 << 20 };
+    let config =
+        GeometryConfig { field: FieldConfig { resolution, ..FieldConfig::default() }, ..Default::default() };
     let field = bake(&triangles, &config.field, &go_on).expect("not stopped");
     RoomGeometry::from_field(triangles, owner, field, &config, &go_on).expect("not stopped")
 }
