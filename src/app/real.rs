@@ -150,12 +150,7 @@ fn open_project(path: &Path, source: &Source) -> Result<Opened, Stop> {
 }
 
 /// The room that a model is understood as.
-fn understood(
-    model: &Model,
-    source: &Source,
-    choice: ImportChoice,
-    ticker: &Ticker,
-) -> Result<Opened, Stop> {
+fn understood(model: &Model, source: &Source, choice: ImportChoice, ticker: &Ticker) -> Result<Opened, Stop> {
     let options = ImportOptions { unit_scale: choice.unit_m, up: choice.up };
     let imported = understand(model, &options, &asks(ticker)).map_err(|_| Stop::Cancelled)?;
     let report = imported.report;
