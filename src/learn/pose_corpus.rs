@@ -203,7 +203,7 @@ fn draw_family(
 }
 
 /// The spread of places that people find, so that the space holds the poses of all of them.
-pub(super) fn random_hints(family: PoseFamily, rng: &mut Rng) -> FamilyHints {
+fn random_hints(family: PoseFamily, rng: &mut Rng) -> FamilyHints {
     let mut maybe = |low: f32, high: f32, often: f32| {
         let (value, said) = (rng.random_range(low..high), rng.random_range(0.0..1.0) < often);
         said.then_some(value)

@@ -48,7 +48,7 @@ impl Default for PosePriorConfig {
         Self {
             hidden: 512,
             batch: 256,
-            steps: 12_000,
+            steps: 5_000,
             learning_rate: 1e-3,
             dropout: 0.1,
             dropout_until: 0.4,
