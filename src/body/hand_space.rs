@@ -27,7 +27,9 @@ pub enum HandSpaceError {
     #[error("hand space: {0}; make the file again with `inhabit train hand-space`")]
     Syntax(#[from] ron::error::SpannedError),
     /// Too few directions.
-    #[error("hand space: {HAND_CODE} directions are needed; make the file again with `inhabit train hand-space`")]
+    #[error(
+        "hand space: {HAND_CODE} directions are needed; make the file again with `inhabit train hand-space`"
+    )]
     Incomplete,
 }
 

@@ -23,7 +23,8 @@ pub fn figure_sheet(figures: &[Vec<Vec3>], columns: usize, pixels_a_metre: f32) 
     let width_m = (CELL_M[0] + PAIR_M) * columns as f32;
     let height_m = CELL_M[1] * rows as f32;
     let people = figures.iter().enumerate().flat_map(|(i, vertices)| {
-        let corner = Vec3::new((i % columns) as f32 * (CELL_M[0] + PAIR_M), -((i / columns) as f32) * CELL_M[1], 0.0);
+        let corner =
+            Vec3::new((i % columns) as f32 * (CELL_M[0] + PAIR_M), -((i / columns) as f32) * CELL_M[1], 0.0);
         let front = corner + Vec3::new(0.5 * CELL_M[0], -0.48 * CELL_M[1], 0.0);
         let side = front + Vec3::X * (0.5 * CELL_M[0] + 0.5 * PAIR_M);
         let from_side = Mat3::from_rotation_y(-std::f32::consts::FRAC_PI_2);
@@ -36,7 +37,8 @@ pub fn figure_sheet(figures: &[Vec<Vec3>], columns: usize, pixels_a_metre: f32) 
     draw.body = Some(Arc::new(BodySurface::of(Body::bundled())));
     (draw.look.grid, draw.look.background) = (Shown::No, [214, 217, 222]);
     let middle = Vec3::new(0.5 * width_m, -0.5 * height_m, 0.0);
-    let camera = Camera { eye: middle + Vec3::Z * 20.0, target: middle, fov_y: 0.5, ortho_height_m: Some(height_m) };
+    let camera =
+        Camera { eye: middle + Vec3::Z * 20.0, target: middle, fov_y: 0.5, ortho_height_m: Some(height_m) };
     let size = [width_m, height_m].map(|m| (m * pixels_a_metre) as u32);
     Ok(Painter::new(Backend::Cpu)?.picture(&draw, &camera, size)?)
 }

@@ -63,7 +63,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Ended> {
     let prior = loaded.as_ref().map_or(&*body.pose_space, |prior| prior as &dyn PoseSpace);
     let seed = Seed::root(arguments.common.seed);
     let config = PoseCorpusConfig { samples_a_family: 2000, ..PoseCorpusConfig::default() };
-    let Ok(corpus) = PoseCorpus::new(&clips, &body.model, config, seed.child("corpus", 0), &Ticker::silent()) else {
+    let Ok(corpus) = PoseCorpus::new(&clips, &body.model, config, seed.child("corpus", 0), &Ticker::silent())
+    else {
         return Ok(Ended::Interrupted);
     };
     let report = report(body, prior, &corpus, seed);
@@ -125,7 +126,8 @@ fn measure(body: &Body, prior: &dyn PoseSpace, group: &PoseGroup) -> Row {
             let back = prior.decode(&code);
             let params = BodyParams::default();
             let (a, b) = (body.pose_axis_angles(&params, pose), body.pose_axis_angles(&params, &back));
-            let degrees = pose.iter().zip(&back).map(|(a, b)| angle_between(*a, *b).to_degrees()).sum::<f32>();
+            let degrees =
+                pose.iter().zip(&back).map(|(a, b)| angle_between(*a, *b).to_degrees()).sum::<f32>();
             [
                 mean_distance_mm(&a.joints[..22], &b.joints[..22]),
                 mean_distance_mm(&a.vertices, &b.vertices),
@@ -184,7 +186,8 @@ fn save(folder: &OutputFolder, name: &str, poses: &[BodyPose], columns: usize) -
 fn draw_clips(folder: &OutputFolder, clips: &[PoseClip]) -> anyhow::Result<()> {
     let body = Body::bundled();
     for (sheet, some) in clips.chunks(8).enumerate() {
-        let figures = some.iter().flat_map(|clip| (1..=4).map(move |i| &clip.frames[clip.frames.len() * i / 5]));
+        let figures =
+            some.iter().flat_map(|clip| (1..=4).map(move |i| &clip.frames[clip.frames.len() * i / 5]));
         let figures: Vec<Vec<Vec3>> = figures
             .map(|frame| {
                 let mut params = BodyParams::default();

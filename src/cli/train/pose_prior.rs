@@ -74,7 +74,8 @@ fn train(
     cx: &JobCtx,
 ) -> Result<TrainedPosePrior, Stop> {
     let model = &Body::bundled().model;
-    let corpus = PoseCorpus::new(clips, model, PoseCorpusConfig::default(), cx.seed.child("corpus", 0), cx.ticker())?;
+    let corpus =
+        PoseCorpus::new(clips, model, PoseCorpusConfig::default(), cx.seed.child("corpus", 0), cx.ticker())?;
     let mut save = |weights: &Weights| Ok(fs::write(checkpoint, weights.to_bytes(Precision::Full)?)?);
     train_pose_prior(&corpus, model, config, resume, &mut save, cx)
 }
