@@ -10,7 +10,9 @@ use inhabit::fit::{FitConfig, FitPreset, Fitter, Surroundings};
 use inhabit::inspect::Metric;
 use inhabit::job::{JobCtx, Seed, Stop, Ticker};
 use inhabit::learn::{Disturbance, random_placements};
-use inhabit::scene::{BodyParams, GeometryConfig, ImportOptions, PoseFamily, Room, RoomGeometry, room_from_model};
+use inhabit::scene::{
+    BodyParams, GeometryConfig, ImportOptions, PoseFamily, Room, RoomGeometry, room_from_model,
+};
 
 fn sample(key: &str) -> (Room, RoomGeometry) {
     let sample = sample_rooms().iter().find(|r| r.key == key).expect("bundled room");
@@ -32,7 +34,12 @@ fn anywhere(geometry: &RoomGeometry, count: usize, seed: u64) -> Vec<BodyParams>
     random_placements(geometry, count, Seed::root(seed))
 }
 
-fn refined(room: &Room, geometry: &RoomGeometry, samples: &[BodyParams], request: &RefineRequest) -> Vec<Refined> {
+fn refined(
+    room: &Room,
+    geometry: &RoomGeometry,
+    samples: &[BodyParams],
+    request: &RefineRequest,
+) -> Vec<Refined> {
     refine(room, geometry, samples, request, &JobCtx::headless(Seed::root(0))).expect("not cancelled")
 }
 
@@ -86,8 +93,9 @@ fn the_published_fit_starts_at_the_sample_and_does_nothing_else() {
     let around = Surroundings::of_field(&geometry.field);
     for (person, sample) in people.iter().zip(&samples) {
         let config = FitConfig::from(FitPreset::PsiProxe);
-        let fitted =
-            fitter.fit(&around, sample, PoseFamily::Stand, &config, &Ticker::silent(), &mut |_| ()).expect("fit");
+        let fitted = fitter
+            .fit(&around, sample, PoseFamily::Stand, &config, &Ticker::silent(), &mut |_| ())
+            .expect("fit");
         assert_eq!((&person.params, person.trace.len()), (&fitted.params, 20));
     }
 }

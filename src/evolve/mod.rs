@@ -7,8 +7,6 @@ mod estimate;
 mod populate;
 mod refine;
 
-pub use estimate::{
-    EstimateRequest, EstimatedPerson, EstimatorKind, estimate_person, mean_code, pinhole,
-};
+pub use estimate::{EstimateRequest, EstimatedPerson, EstimatorKind, estimate_person, mean_code, pinhole};
 pub use populate::{PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};
 pub use refine::{RefinePreview, RefineRequest, Refined, family_of, refine};

@@ -27,11 +27,19 @@ pub fn cases_of_room(
     let mut cases = Vec::new();
     for (index, (truth, family)) in people.iter().enumerate() {
         body.forward_joints(truth, &mut workspace);
-        let views = virtual_cameras(geometry, &workspace.joints()[..22], &config, seed.child("views", index as u64));
+        let views =
+            virtual_cameras(geometry, &workspace.joints()[..22], &config, seed.child("views", index as u64));
         for view in views {
             let number = first + cases.len() as u64;
             let truth = truth.clone();
-            cases.push(Case { room: room.to_owned(), number, family: *family, truth, view, scene_code: [0.0; POSE] });
+            cases.push(Case {
+                room: room.to_owned(),
+                number,
+                family: *family,
+                truth,
+                view,
+                scene_code: [0.0; POSE],
+            });
         }
     }
     cases

@@ -71,7 +71,10 @@ impl<'a> Observer<'a> {
         let Intrinsics { width, height, focal_px } = view.intrinsics;
         let factor = config.columns as f32 / width.max(1) as f32;
         let height = (height as f32 * factor).round() as u32;
-        View { intrinsics: Intrinsics { width: config.columns, height, focal_px: focal_px * factor }, ..*view }
+        View {
+            intrinsics: Intrinsics { width: config.columns, height, focal_px: focal_px * factor },
+            ..*view
+        }
     }
 
     /// Keypoints of `truth` in the enlarged `view` of a room with surfaces `room`.

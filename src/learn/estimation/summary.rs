@@ -88,7 +88,9 @@ pub fn summarise(results: &[CaseResult], seed: Seed) -> Summary {
         comparison(what, results, pair, of, seed)
     };
     let mut worst: Vec<CaseResult> = results.to_vec();
-    worst.sort_by(|a, b| b.errors[ours].v2v_mm.total_cmp(&a.errors[ours].v2v_mm).then(a.number.cmp(&b.number)));
+    worst.sort_by(|a, b| {
+        b.errors[ours].v2v_mm.total_cmp(&a.errors[ours].v2v_mm).then(a.number.cmp(&b.number))
+    });
     worst.truncate(WORST);
     let mut rooms: Vec<&str> = results.iter().map(|r| r.room.as_str()).collect();
     rooms.sort_unstable();
@@ -184,7 +186,10 @@ mod tests {
             family: PoseFamily::SitSofa,
             points: 25,
             depth_m: 3.0,
-            errors: v2v.iter().map(|v2v_mm| EstimateErrors { v2v_mm: *v2v_mm, ..Default::default() }).collect(),
+            errors: v2v
+                .iter()
+                .map(|v2v_mm| EstimateErrors { v2v_mm: *v2v_mm, ..Default::default() })
+                .collect(),
             reprojection_px: vec![1.0; 3],
         }
     }
@@ -195,7 +200,11 @@ mod tests {
             .map(|i| {
                 let hard = 100.0 * (i % 7) as f32;
                 let gain = 10.0 + (i % 5) as f32;
-                result(i, ["a", "b", "c", "d", "e", "f"][i as usize % 6], [hard + 90.0, hard + 60.0, hard + 60.0 - gain])
+                result(
+                    i,
+                    ["a", "b", "c", "d", "e", "f"][i as usize % 6],
+                    [hard + 90.0, hard + 60.0, hard + 60.0 - gain],
+                )
             })
             .collect();
         let summary = summarise(&results, Seed::root(1));
