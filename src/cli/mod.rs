@@ -4,6 +4,7 @@
 //! window is opened by `main`, which asks [`parse`] what to do.
 
 mod convert;
+mod corpus;
 mod generate;
 mod import;
 mod inspect;
@@ -13,6 +14,8 @@ mod people;
 mod pictures;
 mod progress;
 mod report;
+mod sheet;
+mod stage;
 mod train;
 
 use std::path::PathBuf;
@@ -87,6 +90,8 @@ pub enum Command {
     Generate(generate::GenerateArguments),
     /// Learn from data; now the pose prior.
     Train(train::TrainArguments),
+    /// Stage a corpus: rooms made by rule, people in them, views of them.
+    Stage(stage::StageArguments),
     /// Convert a room, layout or project to another format.
     Convert(convert::ConvertArguments),
 }
@@ -136,6 +141,7 @@ pub fn run(command: Command) -> ExitCode {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Train(arguments) => train::run(&arguments),
+        Command::Stage(arguments) => stage::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
     };
     exit_code(result)
