@@ -4,6 +4,14 @@
 pub mod corpus;
 pub mod stage;
 
-mod pose_statistics;
+mod hand_space;
+mod pose_corpus;
+mod pose_loss;
+mod pose_prior;
 
-pub use pose_statistics::{family_fit, fit_hand_space, fit_pose_gaussian, fit_pose_statistics};
+pub use hand_space::fit_hand_space;
+pub use pose_corpus::{PoseCorpus, PoseCorpusConfig, PoseGroup, mirrored};
+pub use pose_loss::{PoseLoss, PoseLossTerms, PoseLossWeights};
+pub use pose_prior::{
+    PosePriorConfig, PosePriorPoint, ResumeError, SHIPPED_PRECISION, TrainedPosePrior, train_pose_prior,
+};
