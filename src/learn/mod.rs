@@ -2,6 +2,8 @@
 //! document, the renderer or the editor's frame; the command line and jobs run it.
 
 pub mod estimation;
+pub mod corpus;
+pub mod stage;
 
 mod hand_space;
 mod pose_corpus;
