@@ -17,6 +17,7 @@ mod people;
 mod pictures;
 mod progress;
 mod report;
+mod scene_prior;
 mod sheet;
 mod stage;
 mod train;
