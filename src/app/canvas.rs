@@ -129,7 +129,7 @@ impl Canvas {
             heat_ready: state.measured_count(),
             selected: state.selection.iter().collect(),
             hovered,
-            ghosts: state.ghosts.clone(),
+            ghosts: state.shown_ghosts(),
             view: state.view.clone(),
             moving,
         };
@@ -219,7 +219,7 @@ impl Canvas {
             draw
         });
         let mut people: Vec<PersonDraw> = solid.collect();
-        for (i, ghost) in state.ghosts.iter().enumerate() {
+        for (i, ghost) in wanted.ghosts.iter().enumerate() {
             let id = GHOST_IDS + i as u32;
             let vertices = self.pose(&engine, id, &ghost.body);
             let mut draw = PersonDraw::new(PersonId(id), vertices, ghost.palette);

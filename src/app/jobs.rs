@@ -6,7 +6,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::actions;
-use super::engine::{Made, Opened, PopulateTask, Source};
+use super::engine::{FitTask, Made, Opened, PopulateTask, SampleMethod, Source};
+use super::rooms;
+use super::samples::{self, Fate, Origin};
 use super::selection::Item;
 use super::state::{EditorState, Leaving, Overlay};
 use crate::document::Command;
@@ -14,6 +16,7 @@ use crate::document::Document;
 use crate::document::Project;
 use crate::document::RoomVersion;
 use crate::evolve::PopulatePreview;
+use crate::generate::sensor::SceneImage;
 use crate::inspect::BodyReport;
 use crate::job::{Job, Outcome, Progress, Seed};
 use crate::scene::Person;
@@ -33,6 +36,14 @@ pub enum JobKind {
     Populate,
     /// Measures people.
     Measure,
+    /// Samples candidates from a view.
+    Sample,
+    /// Draws candidates.
+    Portraits,
+    /// Makes a room to look at.
+    MakeRoom,
+    /// Looks at the room as a network does.
+    See,
 }
 
 /// A row of the job list.
@@ -59,6 +70,8 @@ struct Populating {
     job: Job<Made, PopulatePreview>,
     version: RoomVersion,
     replacing: Vec<PersonId>,
+    /// Set when candidates of the contact sheet are being fitted.
+    source: Option<samples::Source>,
 }
 
 struct Measuring {
@@ -74,6 +87,10 @@ pub struct Jobs {
     geometry: Option<(RoomVersion, Job<RoomGeometry>)>,
     populate: Option<Populating>,
     measure: Option<Measuring>,
+    pub(super) sampling: Option<samples::Sampling>,
+    pub(super) portraits: Option<samples::Portraits>,
+    pub(super) making_room: Option<rooms::MakingRoom>,
+    pub(super) seeing: Option<Job<SceneImage>>,
     wanted: Option<Wanted>,
     /// The room whose geometry failed; not tried again until the room changes.
     hopeless: Option<RoomVersion>,
@@ -95,6 +112,16 @@ impl Jobs {
     /// Whether people are being made or wait for geometry.
     pub fn populating(&self) -> bool {
         self.populate.is_some() || self.wanted.is_some()
+    }
+
+    /// Whether candidates are being sampled.
+    pub fn sampling(&self) -> bool {
+        self.sampling.is_some()
+    }
+
+    /// Whether a room is being made to look at.
+    pub fn making_room(&self) -> bool {
+        self.making_room.is_some()
     }
 
     /// Whether people wait for geometry.
@@ -120,6 +147,18 @@ impl Jobs {
         if let Some(measuring) = &self.measure {
             rows.push(row(JobKind::Measure, &measuring.job));
         }
+        if let Some(sampling) = &self.sampling {
+            rows.push(row(JobKind::Sample, &sampling.job));
+        }
+        if let Some(job) = &self.portraits {
+            rows.push(row(JobKind::Portraits, job));
+        }
+        if let Some(job) = &self.making_room {
+            rows.push(row(JobKind::MakeRoom, job));
+        }
+        if let Some(job) = &self.seeing {
+            rows.push(row(JobKind::See, job));
+        }
         rows
     }
 }
@@ -129,7 +168,7 @@ fn row<T: Send + 'static, P: Send + 'static>(kind: JobKind, job: &Job<T, P>) -> 
 }
 
 impl EditorState {
-    fn waker(&self) -> impl Fn() + Send + Sync + 'static {
+    pub(super) fn waker(&self) -> impl Fn() + Send + Sync + 'static {
         let wake = self.wake.clone();
         move || wake()
     }
@@ -225,12 +264,28 @@ impl EditorState {
                 all.people.extend(made.people);
                 all.reports.extend(made.reports);
                 all.energies.extend(made.energies);
+                all.before.extend(made.before);
                 all.shortfall = all.shortfall.or(made.shortfall);
             }
             Ok(all)
         };
         let job = Job::spawn(name, seed, self.waker(), work);
-        self.jobs.populate = Some(Populating { job, version, replacing });
+        self.jobs.populate = Some(Populating { job, version, replacing, source: None });
+    }
+
+    /// Starts to fit people from where they are: candidates, or people of the document (`replacing`).
+    pub(super) fn start_fitting(
+        &mut self,
+        name: String,
+        task: FitTask,
+        replacing: Vec<PersonId>,
+        source: Option<samples::Source>,
+    ) {
+        let engine = self.engine.clone();
+        let work = move |cx: &crate::job::JobCtx<PopulatePreview>| engine.fit(&task, cx);
+        let job = Job::spawn(name, Seed::root(self.populate.seed), self.waker(), work);
+        let version = self.document.room_version();
+        self.jobs.populate = Some(Populating { job, version, replacing, source });
     }
 
     /// One task for each person who is to become somebody else at about the same place.
@@ -278,11 +333,21 @@ impl EditorState {
                 self.jobs.wanted = None;
             }
             JobKind::Populate => {
-                self.jobs.populate = None;
+                let populating = self.jobs.populate.take();
+                if let Some(source) = populating.and_then(|p| p.source) {
+                    self.settle_cards(&source.cards, Fate::Open);
+                }
                 self.jobs.wanted = None;
                 self.ghosts.clear();
             }
             JobKind::Measure => self.jobs.measure = None,
+            JobKind::Sample => {
+                self.jobs.sampling = None;
+                self.ghosts.clear();
+            }
+            JobKind::Portraits => self.jobs.portraits = None,
+            JobKind::MakeRoom => self.jobs.making_room = None,
+            JobKind::See => self.jobs.seeing = None,
         }
         self.notices.info("Cancelled. Nothing was changed.");
     }
@@ -302,6 +367,10 @@ impl EditorState {
         self.poll_geometry();
         self.poll_populate();
         self.poll_measure();
+        self.poll_sampling();
+        self.poll_portraits();
+        self.poll_made_room();
+        self.poll_seeing();
         self.keep_geometry_fresh();
         self.start_wanted();
         self.keep_measured_fresh();
@@ -317,7 +386,7 @@ impl EditorState {
         }
     }
 
-    fn show_opened(&mut self, opened: Opened) {
+    pub(super) fn show_opened(&mut self, opened: Opened) {
         let summary = opened.summary;
         if let Source::File(path, _) = &summary.source {
             self.remember_recent(path.clone());
@@ -339,6 +408,8 @@ impl EditorState {
         self.jobs.measure = None;
         self.jobs.wanted = None;
         self.ghosts.clear();
+        self.clear_sheet();
+        self.look = None;
         self.selection.clear();
         self.view.isolated = None;
         self.finding = None;
@@ -362,6 +433,7 @@ impl EditorState {
         self.document = document;
         self.project = None;
         self.measured.clear();
+        self.origins.clear();
         self.geometry = None;
         self.jobs.geometry = None;
         self.jobs.hopeless = None;
@@ -405,15 +477,27 @@ impl EditorState {
         let Some(outcome) = populating.job.poll() else { return };
         let (version, name) = (populating.version, populating.job.name().to_owned());
         let replacing = std::mem::take(&mut populating.replacing);
+        let source = populating.source.take();
         self.jobs.populate = None;
         self.ghosts.clear();
-        if let Some(made) = self.taken(&name, outcome) {
-            self.take_in(made, version, replacing);
+        let made = self.taken(&name, outcome);
+        if let Some(source) = &source {
+            let fate = if made.is_some() { Fate::Accepted } else { Fate::Open };
+            self.settle_cards(&source.cards, fate);
+        }
+        if let Some(made) = made {
+            self.take_in(made, version, replacing, source);
         }
     }
 
     /// Turns people that were made into a command.
-    fn take_in(&mut self, made: Made, version: RoomVersion, replacing: Vec<PersonId>) {
+    fn take_in(
+        &mut self,
+        made: Made,
+        version: RoomVersion,
+        replacing: Vec<PersonId>,
+        source: Option<samples::Source>,
+    ) {
         let made_for = Some(version);
         let mut people = made.people;
         let ids: Vec<PersonId> = if replacing.is_empty() {
@@ -431,6 +515,11 @@ impl EditorState {
                 let energies = made.energies.get(i).cloned().unwrap_or_default();
                 self.keep_measured(&person, version, report, energies);
             }
+        }
+        let (method, seen) = source.map_or((SampleMethod::Search, None), |s| (s.method, s.seen));
+        for (id, before) in ids.iter().zip(made.before) {
+            let origin = Origin { method, seen: seen.clone(), before };
+            self.origins.insert(*id, Arc::new(origin));
         }
         if let Some(first) = ids.first() {
             self.selection.only(Item::Person(*first));
@@ -499,7 +588,7 @@ impl EditorState {
     }
 
     /// The result of a job that ended well; otherwise says what happened.
-    fn taken<T>(&mut self, name: &str, outcome: Outcome<T>) -> Option<T> {
+    pub(super) fn taken<T>(&mut self, name: &str, outcome: Outcome<T>) -> Option<T> {
         match outcome {
             Outcome::Done(value) => return Some(value),
             Outcome::Cancelled => self.notices.info(format!("{name}: cancelled")),

@@ -9,6 +9,8 @@ use super::engine::{Energies, Engine, ImportSummary};
 use super::jobs::Jobs;
 use super::notices::Notices;
 use super::orbit::Orbit;
+use super::rooms::NewRoom;
+use super::samples::{Origin, Seen, Sheet};
 use super::selection::{Item, Selection};
 use crate::document::Command;
 use crate::document::Document;
@@ -75,6 +77,10 @@ pub enum Overlay {
     Rename(Item, String),
     /// Asks before unsaved changes are lost.
     Unsaved(Leaving),
+    /// A room that the program makes.
+    NewRoom,
+    /// The bundled networks: curves and figures of the one with this number.
+    Networks(usize),
 }
 
 impl Overlay {
@@ -82,7 +88,13 @@ impl Overlay {
     pub fn takes_keys(&self) -> bool {
         !matches!(
             self,
-            Self::None | Self::Shortcuts | Self::Help | Self::Import | Self::History | Self::Notifications
+            Self::None
+                | Self::Shortcuts
+                | Self::Help
+                | Self::Import
+                | Self::History
+                | Self::Notifications
+                | Self::Networks(_)
         )
     }
 }
@@ -126,11 +138,13 @@ pub struct ViewOptions {
     pub dark: bool,
     /// Only these are drawn, if set.
     pub isolated: Option<BTreeSet<Item>>,
+    /// The active person's body before its fit is drawn as a ghost.
+    pub before: bool,
 }
 
 impl Default for ViewOptions {
     fn default() -> Self {
-        Self { heat: Heat::Off, grid: true, cutaway: true, dark: true, isolated: None }
+        Self { heat: Heat::Off, grid: true, cutaway: true, dark: true, isolated: None, before: false }
     }
 }
 
@@ -147,6 +161,12 @@ pub struct WindowRequests {
     pub full_screen: bool,
     /// Put the panels back.
     pub reset_layout: bool,
+    /// Bring the contact sheet to the front.
+    pub show_sheet: bool,
+    /// Bring *Why like this* to the front.
+    pub show_why: bool,
+    /// Bring *Sample* to the front.
+    pub show_sample: bool,
 }
 
 /// A measured body: valid for exactly this body in exactly this room.
@@ -190,6 +210,12 @@ pub struct EditorState {
     pub recent: Vec<PathBuf>,
     /// People as the running job has them so far.
     pub ghosts: Vec<Person>,
+    /// Candidates that were sampled from a view.
+    pub sheet: Sheet,
+    /// What a network would see from here, when it was last asked.
+    pub look: Option<Arc<Seen>>,
+    /// The room that is being made.
+    pub new_room: NewRoom,
     /// Who was made last, for re-rolls without a selection.
     pub last_made: Vec<PersonId>,
     /// What the window is to do.
@@ -200,6 +226,7 @@ pub struct EditorState {
     pub finding: Option<usize>,
     pub(super) geometry: Option<(RoomVersion, Arc<RoomGeometry>)>,
     pub(super) measured: BTreeMap<PersonId, Measured>,
+    pub(super) origins: BTreeMap<PersonId, Arc<Origin>>,
     pub(super) engine: Arc<dyn Engine>,
     pub(super) wake: Arc<dyn Fn() + Send + Sync>,
 }
@@ -221,12 +248,16 @@ impl EditorState {
             project: None,
             recent: Vec::new(),
             ghosts: Vec::new(),
+            sheet: Sheet::default(),
+            look: None,
+            new_room: NewRoom::default(),
             last_made: Vec::new(),
             requests: WindowRequests::default(),
             aspect: 1.5,
             finding: None,
             geometry: None,
             measured: BTreeMap::new(),
+            origins: BTreeMap::new(),
             engine,
             wake,
         }
@@ -246,6 +277,24 @@ impl EditorState {
     pub fn geometry(&self) -> Option<&Arc<RoomGeometry>> {
         let (version, geometry) = self.geometry.as_ref()?;
         (*version == self.document.room_version()).then_some(geometry)
+    }
+
+    /// Where a person came from, if that is known: who was made in this session.
+    pub fn origin(&self, id: PersonId) -> Option<&Arc<Origin>> {
+        self.origins.get(&id)
+    }
+
+    /// Everybody who is drawn but not there: people being fitted, the chosen candidate, the active person
+    /// before the fit.
+    pub fn shown_ghosts(&self) -> Vec<Person> {
+        let mut ghosts = self.ghosts.clone();
+        ghosts.extend(self.sheet.chosen_card().map(|card| card.person.clone()));
+        let active = self.selection.active_person().filter(|_| self.view.before);
+        let person = active.and_then(|id| self.document.scene().person(id));
+        if let Some((person, origin)) = person.and_then(|person| Some((person, self.origin(person.id)?))) {
+            ghosts.push(Person { body: origin.before.clone(), ..person.clone() });
+        }
+        ghosts
     }
 
     /// Does `command` and says so when it is refused. Whether anything changed.

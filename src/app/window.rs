@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use egui::{Context, Key, Modifiers, Ui, ViewportCommand};
-use egui_tiles::{Container, Linear, LinearDir, SimplificationOptions, TileId, Tiles, Tree, UiResponse};
+use egui_tiles::{Container, Linear, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse};
 
 use super::actions;
 use super::canvas::Canvas;
@@ -29,7 +30,10 @@ enum Pane {
     Objects,
     People,
     Populate,
+    Sample,
     Inspector,
+    Why,
+    Candidates,
     Findings,
     Energies,
     Jobs,
@@ -39,6 +43,8 @@ enum Pane {
 pub struct Window {
     /// The editor.
     pub state: EditorState,
+    /// A job has asked for a frame and none was drawn since: thousands of steps a second cost one request.
+    woken: Arc<AtomicBool>,
     canvas: Canvas,
     tree: Tree<Pane>,
     dialog: Option<Dialog>,
@@ -68,9 +74,16 @@ impl Window {
     pub fn new(cc: &eframe::CreationContext<'_>, engine: Arc<dyn Engine>) -> Self {
         theme::install(&cc.egui_ctx);
         let ctx = cc.egui_ctx.clone();
-        let wake = Arc::new(move || ctx.request_repaint_after(NEWS_EVERY));
+        let woken = Arc::new(AtomicBool::new(false));
+        let asked = woken.clone();
+        let wake = Arc::new(move || {
+            if !asked.swap(true, Ordering::AcqRel) {
+                ctx.request_repaint_after(NEWS_EVERY);
+            }
+        });
         Self {
             state: EditorState::new(engine, wake),
+            woken,
             canvas: Canvas::new(cc.wgpu_render_state.as_ref()),
             tree: layout(),
             dialog: None,
@@ -158,6 +171,15 @@ impl Window {
         if requests.reset_layout {
             self.tree = layout();
         }
+        for (asked, pane) in [
+            (requests.show_sheet, Pane::Candidates),
+            (requests.show_sample, Pane::Sample),
+            (requests.show_why, Pane::Why),
+        ] {
+            if asked {
+                self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(of) if *of == pane));
+            }
+        }
         if requests.open_dialog {
             self.dialog = Some(Dialog::Open(super::dialog::ask_open(ctx)));
         }
@@ -206,6 +228,8 @@ impl Window {
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
+        // Before the jobs are looked at, so that news during the look ask for another frame.
+        self.woken.store(false, Ordering::Release);
         self.state.poll();
         self.poll_dialog();
         self.keep_settings();
@@ -292,13 +316,13 @@ fn layout() -> Tree<Pane> {
     let objects = tabs(&[Pane::Objects]);
     let people = tabs(&[Pane::People]);
     let view = tabs(&[Pane::Viewport]);
-    let below = tabs(&[Pane::Findings, Pane::Energies, Pane::Jobs]);
-    let populate = tabs(&[Pane::Populate]);
-    let inspector = tabs(&[Pane::Inspector]);
+    let below = tabs(&[Pane::Findings, Pane::Candidates, Pane::Energies, Pane::Jobs]);
+    let populate = tabs(&[Pane::Populate, Pane::Sample]);
+    let inspector = tabs(&[Pane::Inspector, Pane::Why]);
     let mut column =
         |children: [TileId; 2], shares: [f32; 2]| linear(&mut tiles, LinearDir::Vertical, &children, &shares);
     let left = column([objects, people], [0.6, 0.4]);
-    let middle = column([view, below], [0.78, 0.22]);
+    let middle = column([view, below], [0.74, 0.26]);
     let right = column([populate, inspector], [0.46, 0.54]);
     let root = linear(&mut tiles, LinearDir::Horizontal, &[left, middle, right], &[0.17, 0.61, 0.22]);
     Tree::new(egui::Id::unique("dock"), root, tiles)
@@ -328,7 +352,10 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Viewport | Pane::Objects => panels::outliner,
             Pane::People => panels::people,
             Pane::Populate => panels::populate,
+            Pane::Sample => panels::sample,
             Pane::Inspector => panels::inspector,
+            Pane::Why => panels::why,
+            Pane::Candidates => panels::sheet,
             Pane::Findings => panels::findings,
             Pane::Energies => panels::energies,
             Pane::Jobs => panels::jobs,
@@ -343,7 +370,10 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Objects => "Objects".to_owned(),
             Pane::People => format!("People {}", self.state.document.scene().people.len()),
             Pane::Populate => "Populate".to_owned(),
+            Pane::Sample => "Sample".to_owned(),
             Pane::Inspector => "Inspector".to_owned(),
+            Pane::Why => "Why like this".to_owned(),
+            Pane::Candidates => format!("Candidates {}", self.state.sheet.cards.len()),
             Pane::Findings => format!("Findings {}", self.state.findings().len()),
             Pane::Energies => "Energies".to_owned(),
             Pane::Jobs => "Jobs".to_owned(),

@@ -27,6 +27,10 @@ pub fn overlays(ctx: &Context, state: &mut EditorState) {
         Overlay::Notifications => window(ctx, state, "Notifications", 460.0, notifications),
         Overlay::Rename(item, text) => rename(ctx, state, item, text),
         Overlay::Unsaved(leaving) => unsaved(ctx, state, leaving),
+        Overlay::NewRoom => window(ctx, state, "New room", 520.0, super::new_room::new_room),
+        Overlay::Networks(number) => window(ctx, state, "Networks", 620.0, |ui, state| {
+            super::networks::networks(ui, state, number);
+        }),
     }
 }
 
@@ -171,6 +175,10 @@ fn help(ui: &mut Ui) {
         (
             "Put people in",
             "Press Populate, or choose 'Put somebody here' and click a seat, a bed or the floor. While it runs you see them settle; Cancel stops at once and changes nothing.",
+        ),
+        (
+            "Sample from a view",
+            "Turn the view to a corner of the room, open the Sample panel and press Sample: candidates come up below, the best first. Click one to see it in the view, double click to accept it; it is fitted as you watch. 'Why like this' shows what the sampler saw and what the fit changed.",
         ),
         (
             "Look closer",
