@@ -321,6 +321,7 @@ fn any_command() -> impl Strategy<Value = Command> {
 }
 
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "forty at most")]
 enum Deed {
     Apply(Command),
     Undo,

@@ -96,12 +96,14 @@ fn hang(tree: &mut Bvh2, node: usize, own: &Bvh2, order: &[u32]) {
     // The root takes the node's place; the others follow in pairs, as they stand.
     let nodes = tree.nodes.len() as u32;
     let slots = tree.primitive_indices.len() as u32;
-    let moved = |from: &Bvh2Node| {
+    let mut moved = own.nodes.iter().map(|from| {
         let mut to = *from;
         to.first_index = if from.is_leaf() { from.first_index + slots } else { from.first_index - 1 + nodes };
         to
-    };
-    tree.nodes[node] = moved(&own.nodes[0]);
-    tree.nodes.extend(own.nodes[1..].iter().map(moved));
+    });
+    if let Some(root) = moved.next() {
+        tree.nodes[node] = root;
+    }
+    tree.nodes.extend(moved);
     tree.primitive_indices.extend(own.primitive_indices.iter().map(|&slot| order[slot as usize]));
 }

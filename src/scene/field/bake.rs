@@ -270,7 +270,7 @@ fn cache_key(triangles: &[[Vec3; 3]], config: &FieldConfig, step: Step) -> Resul
     for part in triangles.chunks(4096) {
         pace.items(part.len())?;
         let numbers: Vec<u8> =
-            part.iter().flatten().flat_map(|p| p.to_array()).flat_map(f32::to_le_bytes).collect();
+            part.iter().flatten().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes).collect();
         hasher.write(&numbers);
     }
     Ok(format!("field-{:032x}", hasher.finish()))

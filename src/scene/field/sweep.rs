@@ -289,9 +289,9 @@ impl Sweep<'_> {
     fn hand_on(&self, way: Way, samples: &Samples, next: &mut Row) {
         // The same loop, once for the compiler to see that the samples are adjacent.
         if samples.stride == 1 {
-            self.hand_on_by(1, way, samples, next)
+            self.hand_on_by(1, way, samples, next);
         } else {
-            self.hand_on_by(samples.stride, way, samples, next)
+            self.hand_on_by(samples.stride, way, samples, next);
         }
     }
 

@@ -84,9 +84,6 @@ pub fn mesh_of(part: &Part, piece: &Piece) -> Arc<Mesh> {
         })
     };
     let triangles = triangles.iter().map(|t| part.mesh.triangles[*t as usize].map(&mut number)).collect();
-    fn picked<T: Copy>(of: &[T], which: &[usize]) -> Vec<T> {
-        if of.is_empty() { Vec::new() } else { which.iter().map(|&v| of[v]).collect() }
-    }
     Arc::new(Mesh {
         positions: picked(&part.mesh.positions, &old_of_new),
         normals: picked(&part.mesh.normals, &old_of_new),
@@ -94,6 +91,10 @@ pub fn mesh_of(part: &Part, piece: &Piece) -> Arc<Mesh> {
         colors: picked(&part.mesh.colors, &old_of_new),
         triangles,
     })
+}
+
+fn picked<T: Copy>(of: &[T], which: &[usize]) -> Vec<T> {
+    if of.is_empty() { Vec::new() } else { which.iter().map(|&v| of[v]).collect() }
 }
 
 /// Every atom of `model`, in the order of the file.
@@ -150,8 +151,8 @@ fn groups(model: &Model, world_from_file: Affine3A) -> Vec<Vec<usize>> {
     let mut number_of: HashMap<(Option<&[String]>, usize), usize> = HashMap::new();
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (index, part) in model.parts.iter().enumerate() {
-        let prefixes = (1..=part.path.len()).map(|depth| &part.path[..depth]);
-        let holder = prefixes.filter(|p| box_of_prefix.get(p).is_some_and(|b| is_furniture_sized(*b))).next();
+        let mut prefixes = (1..=part.path.len()).map(|depth| &part.path[..depth]);
+        let holder = prefixes.find(|p| box_of_prefix.get(p).is_some_and(|b| is_furniture_sized(*b)));
         let own = holder.is_none_or(|above| is_its_own_thing(part, above, world_from_file));
         let key = if own { (None, part.node) } else { (holder, 0) };
         let next = groups.len();
