@@ -4,5 +4,7 @@
 
 mod choose;
 mod populate;
+mod refine;
 
 pub use populate::{PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};
+pub use refine::{RefinePreview, RefineRequest, Refined, refine};
