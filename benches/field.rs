@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::{Affine3A, Vec3};
-use inhabit::math::Aabb;
 use inhabit::assets::{Material, Mesh, Model, Part};
+use inhabit::math::Aabb;
 use inhabit::scene::{FieldConfig, GeometryConfig, ImportOptions, Resolution, RoomGeometry};
 use inhabit::scene::{SignedDistanceField, Step, TriangleBvh, bake, understand};
 

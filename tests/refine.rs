@@ -9,7 +9,9 @@ use inhabit::evolve::{PopulateRequest, RefineRequest, Refined, populate, refine}
 use inhabit::fit::{FitConfig, FitPreset, Fitter, Surroundings};
 use inhabit::inspect::Metric;
 use inhabit::job::{JobCtx, Seed, Stop, Ticker};
-use inhabit::scene::{BodyParams, GeometryConfig, ImportOptions, PoseFamily, Room, RoomGeometry, room_from_model};
+use inhabit::scene::{
+    BodyParams, GeometryConfig, ImportOptions, PoseFamily, Room, RoomGeometry, room_from_model,
+};
 use rand::RngExt as _;
 
 fn sample(key: &str) -> (Room, RoomGeometry) {
@@ -28,7 +30,9 @@ fn disturbed(room: &Room, geometry: &RoomGeometry, count: usize, seed: u64) -> V
     let disturb = |mut body: BodyParams| {
         let mut off = |most: f32| rng.random_range(-most..most);
         body.translation += Vec3::new(off(0.4), off(0.25), off(0.4));
-        let turn = Mat3::from_rotation_y(off(0.6)) * Mat3::from_rotation_x(off(0.3)) * Mat3::from_rotation_z(off(0.3));
+        let turn = Mat3::from_rotation_y(off(0.6))
+            * Mat3::from_rotation_x(off(0.3))
+            * Mat3::from_rotation_z(off(0.3));
         body.set_rotation(&(turn * body.rotation()));
         body.pose.iter_mut().for_each(|z| *z += off(0.5));
         body
@@ -52,7 +56,12 @@ fn anywhere(geometry: &RoomGeometry, count: usize, seed: u64) -> Vec<BodyParams>
     (0..count).map(one).collect()
 }
 
-fn refined(room: &Room, geometry: &RoomGeometry, samples: &[BodyParams], request: &RefineRequest) -> Vec<Refined> {
+fn refined(
+    room: &Room,
+    geometry: &RoomGeometry,
+    samples: &[BodyParams],
+    request: &RefineRequest,
+) -> Vec<Refined> {
     refine(room, geometry, samples, request, &JobCtx::headless(Seed::root(0))).expect("not cancelled")
 }
 
@@ -106,8 +115,9 @@ fn the_published_fit_starts_at_the_sample_and_does_nothing_else() {
     let around = Surroundings::of_field(&geometry.field);
     for (person, sample) in people.iter().zip(&samples) {
         let config = FitConfig::from(FitPreset::PsiProxe);
-        let fitted =
-            fitter.fit(&around, sample, PoseFamily::Stand, &config, &Ticker::silent(), &mut |_| ()).expect("fit");
+        let fitted = fitter
+            .fit(&around, sample, PoseFamily::Stand, &config, &Ticker::silent(), &mut |_| ())
+            .expect("fit");
         assert_eq!((&person.params, person.trace.len()), (&fitted.params, 20));
     }
 }

@@ -550,7 +550,8 @@ fn step_candidate(state: &mut EditorState, step: isize) {
     let cards = &state.sheet.cards;
     let count = cards.len() as isize;
     let now = cards.iter().position(|card| Some(card.key) == state.sheet.chosen);
-    let next = now.map_or(if step > 0 { 0 } else { count - 1 }, |at| (at as isize + step).rem_euclid(count.max(1)));
+    let next =
+        now.map_or(if step > 0 { 0 } else { count - 1 }, |at| (at as isize + step).rem_euclid(count.max(1)));
     if let Some(key) = cards.get(next as usize).map(|card| card.key) {
         state.choose_card(key);
     }

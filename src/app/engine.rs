@@ -38,6 +38,8 @@ pub enum Source {
     File(PathBuf, ImportChoice),
     /// A bundled sample room, by number.
     Sample(usize),
+    /// A room that the program makes.
+    Made(RoomRequest),
 }
 
 /// What was understood of a file, for the import report.

@@ -190,6 +190,7 @@ impl EditorState {
             Source::Sample(number) => {
                 format!("Open {}", self.engine.samples().get(*number).map_or("sample room", |s| s))
             }
+            Source::Made(_) => "Make room".to_owned(),
         };
         let engine = self.engine.clone();
         let waker = self.waker();

@@ -20,6 +20,7 @@ mod pictures;
 mod real;
 mod rooms;
 mod samples;
+mod sampling;
 mod screenshot;
 mod selection;
 mod state;

@@ -1,6 +1,6 @@
 //! Small pictures in panels: pixels that become a texture when they are first shown.
 
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 use egui::{Color32, ColorImage, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2};
 
@@ -16,7 +16,7 @@ pub struct Shown {
     image: ColorImage,
     /// Pixels stay sharp: they mean something.
     sharp: bool,
-    texture: OnceCell<TextureHandle>,
+    texture: OnceLock<TextureHandle>,
 }
 
 impl std::fmt::Debug for Shown {
@@ -29,19 +29,19 @@ impl From<Picture> for Shown {
     fn from(picture: Picture) -> Self {
         let size = [picture.width as usize, picture.height as usize];
         let image = ColorImage::from_rgba_unmultiplied(size, &picture.rgba);
-        Self { image, sharp: false, texture: OnceCell::new() }
+        Self { image, sharp: false, texture: OnceLock::new() }
     }
 }
 
 impl Shown {
     fn of_pixels(color: impl Fn(usize) -> Color32) -> Self {
         let pixels = (0..SIDE * SIDE).map(color).collect();
-        Self { image: ColorImage::new([SIDE, SIDE], pixels), sharp: true, texture: OnceCell::new() }
+        Self { image: ColorImage::new([SIDE, SIDE], pixels), sharp: true, texture: OnceLock::new() }
     }
 
     /// Depth from near (bright) to far (dark), on the scale that the networks take it by; padding is `empty`.
     pub fn of_depth(seen: &SceneImage, empty: Color32) -> Self {
-        let mask = seen.mask();
+        let mask = seen.valid.mask();
         Self::of_pixels(|i| {
             let share = seen.depth_m[i] / seen.max_depth_m.max(f32::MIN_POSITIVE);
             if mask[i] { depth_color(share) } else { empty }
@@ -50,7 +50,7 @@ impl Shown {
 
     /// What is seen, a colour for each kind of thing; padding is `empty`.
     pub fn of_labels(seen: &SceneImage, empty: Color32) -> Self {
-        let mask = seen.mask();
+        let mask = seen.valid.mask();
         Self::of_pixels(|i| if mask[i] { label_color(seen.labels[i]) } else { empty })
     }
 
@@ -107,7 +107,7 @@ pub fn label_color(label: u8) -> Color32 {
 
 /// The kinds of things in an image, those that fill most of it first, with their share of the picture.
 pub fn kinds_seen(seen: &SceneImage) -> Vec<(u8, &'static str, f32)> {
-    let mask = seen.mask();
+    let mask = seen.valid.mask();
     let mut counts = [0_usize; 256];
     for (label, _) in seen.labels.iter().zip(&mask).filter(|(_, valid)| **valid) {
         counts[usize::from(*label)] += 1;

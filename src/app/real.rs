@@ -7,9 +7,11 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::engine::{
-    Energies, Engine, ImportChoice, ImportSummary, Made, Opened, OpenedProject, PopulateTask, Source,
+    Energies, Engine, FitTask, ImportChoice, ImportSummary, Made, NetworkCard, Opened, OpenedProject,
+    PopulateTask, RoomRequest, SampleMethod, SampleTask, SampleView, Sampled, Source,
 };
 use super::jobs::is_project_file;
+use super::sampling;
 use crate::assets::Budget;
 use crate::assets::Model;
 use crate::assets::read_model;
@@ -24,17 +26,31 @@ use crate::evolve::PopulatePreview;
 use crate::evolve::PopulateRequest;
 use crate::evolve::PopulatedPerson;
 use crate::fit::TERMS;
+use crate::generate::sensor::SceneImage;
+use crate::generate::sensor::Sensor;
 use crate::inspect::BodyReport;
 use crate::inspect::inspect_body;
-use crate::job::{JobCtx, Stop, Ticker};
+use crate::job::{JobCtx, Seed, Stop, Ticker};
+use crate::render::Backend;
 use crate::render::BodySurface;
+use crate::render::Cutaway;
+use crate::render::Picture;
+use crate::render::SceneDraw;
+use crate::render::picture;
+use crate::render::room_views;
 use crate::scene::BodyParams;
 use crate::scene::GeometryConfig;
 use crate::scene::ImportOptions;
+use crate::scene::Person;
 use crate::scene::Room;
 use crate::scene::RoomGeometry;
 use crate::scene::Scene;
+use crate::scene::layout::RoomType;
+use crate::scene::layout::new_room;
 use crate::scene::understand;
+
+/// Size of the picture of a new room in pixels.
+const OVERVIEW: [u32; 2] = [800, 480];
 
 /// The program's own engine.
 #[derive(Default)]
@@ -55,6 +71,7 @@ impl Engine for RealEngine {
                 understood(&model, source, *choice, ticker)
             }
             Source::Sample(number) => open_sample(*number, source, ticker),
+            Source::Made(request) => self.make_room(request, ticker),
         }
     }
 
@@ -79,12 +96,82 @@ impl Engine for RealEngine {
         };
         let populated = evolve::populate(&task.room, &task.geometry, &request, cx)?;
         let mut made = Made { shortfall: populated.shortfall, ..Made::default() };
-        for PopulatedPerson { person, report, trace, .. } in populated.people {
+        for PopulatedPerson { person, proposed, report, trace, .. } in populated.people {
             made.people.push(person);
+            made.before.push(proposed);
             made.reports.push(report);
             made.energies.push(by_term(&trace));
         }
         Ok(made)
+    }
+
+    fn missing_methods(&self) -> Vec<(SampleMethod, String)> {
+        let networks = SampleMethod::ALL.into_iter().filter(|method| *method != SampleMethod::Search);
+        networks.map(|method| (method, sampling::not_bundled(method))).collect()
+    }
+
+    fn see(
+        &self,
+        room: &Room,
+        geometry: &RoomGeometry,
+        view: &SampleView,
+        seed: Seed,
+        ticker: &Ticker,
+    ) -> Result<SceneImage, Stop> {
+        ticker.stage("looking", 0)?;
+        let view = sampling::view_of(room, geometry, view, seed)?;
+        Ok(Sensor::new(room, geometry).scene_image(&view))
+    }
+
+    fn sample(&self, task: &SampleTask, cx: &JobCtx<PopulatePreview>) -> Result<Sampled, Stop> {
+        sampling::sample(task, cx)
+    }
+
+    fn fit(&self, task: &FitTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop> {
+        sampling::fit(task, cx)
+    }
+
+    fn portrait(
+        &self,
+        room: &Room,
+        geometry: &RoomGeometry,
+        person: &Person,
+        ticker: &Ticker,
+    ) -> Result<Picture, Stop> {
+        sampling::portrait(room, geometry, person, &self.surface(), ticker)
+    }
+
+    fn room_kinds(&self) -> Vec<String> {
+        RoomType::ALL.map(|kind| kind.label().to_owned()).to_vec()
+    }
+
+    fn make_room(&self, request: &RoomRequest, ticker: &Ticker) -> Result<Opened, Stop> {
+        ticker.stage("furnishing", 0)?;
+        let kind = RoomType::ALL.get(request.kind).copied();
+        let kind = kind.ok_or_else(|| Stop::Failed("there is no such kind of room".to_owned()))?;
+        let model = new_room(kind, request.seed)?;
+        ticker.stage("understanding", 0)?;
+        let source = Source::Made(request.clone());
+        let mut opened = understood(&model, &source, ImportChoice::default(), ticker)?;
+        opened.summary.name = format!("{} {}", kind.label(), request.seed);
+        if let Some(room) = Arc::get_mut(&mut opened.scene.room) {
+            room.name.clone_from(&opened.summary.name);
+        }
+        Ok(opened)
+    }
+
+    fn overview(&self, room: &Arc<Room>, ticker: &Ticker) -> Result<Picture, Stop> {
+        ticker.stage("drawing", 0)?;
+        let [width, height] = OVERVIEW;
+        let scene = Scene { room: room.clone(), people: Vec::new() };
+        let mut draw = SceneDraw::of_room(&scene);
+        draw.look.cutaway = Cutaway::Outside;
+        let [camera, _] = room_views(room, width as f32 / height as f32);
+        Ok(picture(&draw, &camera, OVERVIEW, Backend::Auto)?)
+    }
+
+    fn networks(&self) -> Vec<NetworkCard> {
+        Vec::new()
     }
 
     fn measure(
@@ -150,12 +237,7 @@ fn open_project(path: &Path, source: &Source) -> Result<Opened, Stop> {
 }
 
 /// The room that a model is understood as.
-fn understood(
-    model: &Model,
-    source: &Source,
-    choice: ImportChoice,
-    ticker: &Ticker,
-) -> Result<Opened, Stop> {
+fn understood(model: &Model, source: &Source, choice: ImportChoice, ticker: &Ticker) -> Result<Opened, Stop> {
     let options = ImportOptions { unit_scale: choice.unit_m, up: choice.up };
     let imported = understand(model, &options, &asks(ticker)).map_err(|_| Stop::Cancelled)?;
     let report = imported.report;
@@ -180,7 +262,7 @@ fn size_m(room: &Room) -> Vec3 {
 }
 
 /// One curve for each term of the energy.
-fn by_term(trace: &[[f32; TERMS.len()]]) -> Energies {
+pub(super) fn by_term(trace: &[[f32; TERMS.len()]]) -> Energies {
     let curve = |i: usize| trace.iter().map(|terms| terms[i]).collect();
     TERMS.iter().enumerate().map(|(i, term)| (term.label().to_owned(), curve(i))).collect()
 }

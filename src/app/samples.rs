@@ -379,8 +379,7 @@ impl EditorState {
         let Some(geometry) = self.geometry().cloned() else { return };
         let (engine, room) = (self.engine.clone(), self.document.scene().room.clone());
         let view = SampleView::Camera(self.orbit.camera(), self.aspect);
-        let work =
-            move |cx: &JobCtx| engine.see(&room, &geometry, &view, Seed::root(0), cx.ticker());
+        let work = move |cx: &JobCtx| engine.see(&room, &geometry, &view, Seed::root(0), cx.ticker());
         self.jobs.seeing = Some(Job::spawn("Look", Seed::root(0), self.waker(), work));
     }
 

@@ -66,6 +66,8 @@ pub struct PopulatePreview {
 pub struct PopulatedPerson {
     /// The person.
     pub person: Person,
+    /// The body before it was fitted.
+    pub proposed: BodyParams,
     /// What was measured.
     pub report: BodyReport,
     /// What is above its limit.
@@ -223,6 +225,7 @@ fn take_best(
         let site = Site { body: id, frame: None };
         result.people.push(PopulatedPerson {
             person: person(&candidate.proposal, candidate.params, id),
+            proposed: candidate.proposal.params,
             findings: Limits::default().findings(site, &candidate.report.metrics),
             report: candidate.report,
             trace: candidate.trace,

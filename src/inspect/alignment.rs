@@ -29,7 +29,10 @@ impl EstimateErrors {
         Self {
             pje_mm: mean_distance_mm(joints.0, joints.1),
             v2v_mm: mean_distance_mm(vertices.0, vertices.1),
-            aligned_pje_mm: mean_distance_mm(&Similarity::between(joints.0, joints.1).apply(joints.0), joints.1),
+            aligned_pje_mm: mean_distance_mm(
+                &Similarity::between(joints.0, joints.1).apply(joints.0),
+                joints.1,
+            ),
             aligned_v2v_mm: mean_distance_mm(
                 &Similarity::between(vertices.0, vertices.1).apply(vertices.0),
                 vertices.1,

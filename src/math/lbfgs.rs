@@ -92,8 +92,7 @@ fn search(
     let (mut low, mut high, mut step) = (0.0, f64::INFINITY, first);
     let mut best: Option<Found> = None;
     for _ in 0..TRIES {
-        let at: Vec<f32> =
-            x.iter().zip(direction).map(|(x, d)| (f64::from(*x) + step * d) as f32).collect();
+        let at: Vec<f32> = x.iter().zip(direction).map(|(x, d)| (f64::from(*x) + step * d) as f32).collect();
         let mut gradient = vec![0.0; x.len()];
         let there = value_and_gradient(&at, &mut gradient);
         let falls = f64::from(there) <= f64::from(value) + DECREASE * step * slope;

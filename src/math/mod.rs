@@ -1,5 +1,4 @@
-//! Rotations (6-D, axis-angle), Adam, boxes, clusters and small statistics. Knows nothing else of the crate.
-//! Rotations (6-D, axis-angle), Adam, L-BFGS, boxes and small statistics. Knows nothing else of the crate.
+//! Rotations (6-D, axis-angle), Adam, L-BFGS, boxes, clusters and small statistics. Knows nothing else of the crate.
 //!
 //! May not name any other module, read files or hold domain types. Names carry frame and unit.
 

@@ -61,7 +61,10 @@ fn facts(ui: &mut Ui, state: &EditorState) {
         Some(made) if made.request == state.new_room.request => {
             let summary = &made.opened.summary;
             let size = summary.extent_m;
-            format!("{:.1} x {:.1} m, {} objects, {} triangles", size.x, size.z, summary.objects, summary.triangles)
+            format!(
+                "{:.1} x {:.1} m, {} objects, {} triangles",
+                size.x, size.z, summary.objects, summary.triangles
+            )
         }
         _ if state.jobs.making_room() => "Making it...".to_owned(),
         _ => String::new(),

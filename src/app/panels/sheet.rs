@@ -96,7 +96,9 @@ fn paint(ui: &Ui, card: &Card, number: usize, rect: Rect, palette: &Palette) {
     match &card.picture {
         Some(picture) => picture.paint(ui, rect),
         None => {
-            egui::Spinner::new().size(20.0).paint_at(ui, Rect::from_center_size(rect.center(), vec2(20.0, 20.0)));
+            egui::Spinner::new()
+                .size(20.0)
+                .paint_at(ui, Rect::from_center_size(rect.center(), vec2(20.0, 20.0)));
         }
     }
     let faults = card.findings.len();
@@ -104,7 +106,13 @@ fn paint(ui: &Ui, card: &Card, number: usize, rect: Rect, palette: &Palette) {
     painter.rect_filled(strip, 0.0, Color32::from_black_alpha(170));
     let font = FontId::proportional(11.0);
     let light = Color32::from_gray(235);
-    painter.text(strip.left_center() + vec2(6.0, 0.0), Align2::LEFT_CENTER, card.person.family.label(), font.clone(), light);
+    painter.text(
+        strip.left_center() + vec2(6.0, 0.0),
+        Align2::LEFT_CENTER,
+        card.person.family.label(),
+        font.clone(),
+        light,
+    );
     let (mark, color) = match (card.fate, faults) {
         (Fate::Accepted, _) => ("in the room".to_owned(), palette.good),
         (Fate::Fitting, _) => ("fitting".to_owned(), palette.warn),
@@ -137,7 +145,11 @@ fn tip(card: &Card) -> Vec<String> {
 
 fn tip_ui(ui: &mut Ui, lines: &[String]) {
     for (i, line) in lines.iter().enumerate() {
-        if i == 0 { ui.strong(line) } else { ui.label(line) };
+        if i == 0 {
+            ui.strong(line)
+        } else {
+            ui.label(line)
+        };
     }
 }
 
@@ -148,7 +160,9 @@ fn buttons(ui: &mut Ui, state: &mut EditorState, number: usize) {
     ui.add_enabled_ui(fate == Fate::Open, |ui| {
         ui.horizontal(|ui| {
             let accept = ui.small_button("Accept");
-            accept.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Accept candidate {n}")));
+            accept.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Accept candidate {n}"))
+            });
             if accept.on_hover_text("Fits it to the room and puts it in.").clicked() {
                 state.accept_cards(&[key]);
             }

@@ -3,9 +3,9 @@
 use egui::{Color32, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 
 use super::{empty, title};
+use crate::app::engine::SampleMethod;
 use crate::app::pictures::{kinds_seen, label_color};
 use crate::app::samples::{Origin, Seen};
-use crate::app::engine::SampleMethod;
 use crate::app::state::EditorState;
 use crate::scene::Person;
 
@@ -49,7 +49,9 @@ fn came_from(ui: &mut Ui, state: &mut EditorState, person: &Person, origin: &Ori
         (SampleMethod::Search, true) => {
             format!("The search found this place on the {} within the view below.", person.on)
         }
-        (method, _) => format!("{} drew this body from the two images below; then it was fitted.", method.label()),
+        (method, _) => {
+            format!("{} drew this body from the two images below; then it was fitted.", method.label())
+        }
     };
     ui.label(text);
     let before = state.engine().pose(&origin.before);
@@ -65,7 +67,9 @@ fn fit_curves(ui: &mut Ui, state: &EditorState, person: &Person) {
     let energies = state.measured(person.id).map(|m| m.energies.clone()).filter(|e| !e.is_empty());
     match energies {
         Some(energies) => {
-            ui.label(RichText::new("Each term of the loss over the iterations; lower is better.").small().weak());
+            ui.label(
+                RichText::new("Each term of the loss over the iterations; lower is better.").small().weak(),
+            );
             ui.allocate_ui(vec2(ui.available_width(), 150.0), |ui| {
                 super::energies::curves(ui, "why curves", &energies);
             });
@@ -95,10 +99,7 @@ pub fn images(ui: &mut Ui, seen: &Seen) {
     let side = ((ui.available_width() - 8.0) * 0.5).clamp(64.0, 196.0);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
-        let both = [
-            (&seen.depth, "Depth: how far away things are"),
-            (&seen.labels, "Kinds of things"),
-        ];
+        let both = [(&seen.depth, "Depth: how far away things are"), (&seen.labels, "Kinds of things")];
         for (picture, name) in both {
             let response = picture.show(ui, vec2(side, side), Sense::hover(), name);
             response.on_hover_ui(|ui| {

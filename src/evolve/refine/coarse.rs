@@ -11,10 +11,10 @@ use crate::generate::{Cells, Place, seat_family, support_name};
 use crate::scene::{BodyParams, PoseFamily, Room, RoomGeometry};
 
 /// Radii of the rings of positions tried around a sample, metres, and how many on each.
-const RINGS: [(f32, usize); 7] = [(0.0, 1), (0.08, 6), (0.18, 8), (0.3, 10), (0.45, 12), (0.65, 14), (0.9, 16)];
+const RINGS: [(f32, usize); 7] =
+    [(0.0, 1), (0.08, 6), (0.18, 8), (0.3, 10), (0.45, 12), (0.65, 14), (0.9, 16)];
 /// Turns about the vertical tried at each, degrees.
-const TURNS: [f32; 12] =
-    [0.0, -14.0, 14.0, -30.0, 30.0, -55.0, 55.0, -85.0, 85.0, -125.0, 125.0, 180.0];
+const TURNS: [f32; 12] = [0.0, -14.0, 14.0, -30.0, 30.0, -55.0, 55.0, -85.0, 85.0, -125.0, 125.0, 180.0];
 /// Heights tried over the resting height, metres.
 const LIFTS_M: [f32; 5] = [0.0, 0.015, -0.015, 0.035, 0.06];
 /// Moves tried around one of the room's places, forwards and sideways, metres.

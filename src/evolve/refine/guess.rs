@@ -44,10 +44,8 @@ impl Posture {
     /// Measures posed joints and the pelvis' rotation, world frame.
     pub fn of(joints: &[Vec3; JOINTS], world_from_pelvis: &Mat3) -> Self {
         let torso = joints[j::NECK] - joints[j::PELVIS];
-        let legs = [
-            (j::LEFT_HIP, j::LEFT_KNEE, j::LEFT_ANKLE),
-            (j::RIGHT_HIP, j::RIGHT_KNEE, j::RIGHT_ANKLE),
-        ];
+        let legs =
+            [(j::LEFT_HIP, j::LEFT_KNEE, j::LEFT_ANKLE), (j::RIGHT_HIP, j::RIGHT_KNEE, j::RIGHT_ANKLE)];
         let mean = |of: &dyn Fn(usize, usize, usize) -> f32| {
             0.5 * legs.iter().map(|&(hip, knee, ankle)| of(hip, knee, ankle)).sum::<f32>()
         };

@@ -255,7 +255,8 @@ impl<'a> Refiner<'a> {
 
     fn measure(&self, index: usize, params: &BodyParams) -> (BodyReport, Vec<Finding>) {
         let report = inspect_body(self.geometry, self.body, params);
-        let findings = self.request.limits.findings(Site { body: index as u32, frame: None }, &report.metrics);
+        let findings =
+            self.request.limits.findings(Site { body: index as u32, frame: None }, &report.metrics);
         (report, findings)
     }
 

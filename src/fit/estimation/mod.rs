@@ -12,9 +12,7 @@ mod pinhole;
 #[cfg(test)]
 mod tests;
 
-pub use estimator::{
-    Estimate, EstimateConfig, EstimateError, EstimateTrace, Estimator, SceneWeights, Stage,
-};
 pub use energy::{ESTIMATE_TERMS, EstimateTerm};
+pub use estimator::{Estimate, EstimateConfig, EstimateError, EstimateTrace, Estimator, SceneWeights, Stage};
 pub use landmarks::Landmarks;
 pub use pinhole::Pinhole;

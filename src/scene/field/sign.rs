@@ -47,8 +47,7 @@ pub(super) fn classify(room: &Surroundings, step: Step) -> Result<Vec<bool>, Sto
         pace.item()?;
         marks[index as usize] |= STANDING;
     }
-    let fronts =
-        fronts_seen(grid, room.lines, room.triangles, |index| marks[index] & STANDING != 0, step)?;
+    let fronts = fronts_seen(grid, room.lines, room.triangles, |index| marks[index] & STANDING != 0, step)?;
     let (mut reach, shore) = flood_by_ball(room, &marks, standing, step)?;
     flood_narrow(grid, &marks, &mut reach, shore, step)?;
     let votes = votes(grid, room.lines, &fronts, step)?;
