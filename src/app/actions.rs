@@ -8,6 +8,7 @@ use super::engine::{ImportChoice, Source};
 use super::orbit::AxisView;
 use super::selection::Item;
 use super::state::{EditorState, Heat, Leaving, Overlay, Tool};
+use super::transform::TransformKind;
 use crate::document::Command;
 use crate::math::Aabb;
 use crate::scene::PersonId;
@@ -46,6 +47,27 @@ pub fn save(state: &mut EditorState) {
 /// Asks where to save.
 pub fn save_as(state: &mut EditorState) {
     state.requests.save_dialog = true;
+}
+
+/// Asks for a folder and writes room and people into it.
+pub fn export(state: &mut EditorState) {
+    state.requests.export_dialog = true;
+}
+
+/// Moves the selection with the mouse.
+pub fn move_selection(state: &mut EditorState) {
+    state.begin_transform(TransformKind::Move);
+}
+
+/// Turns the selection with the mouse.
+pub fn turn_selection(state: &mut EditorState) {
+    state.begin_transform(TransformKind::Turn);
+}
+
+/// Fits the selected people to where they are.
+pub fn settle(state: &mut EditorState) {
+    let people = state.selection.people();
+    state.settle(&people);
 }
 
 /// Shows the import report.

@@ -28,6 +28,13 @@ pub fn ask_save(ctx: &egui::Context) -> Job<Option<PathBuf>> {
     })
 }
 
+/// Asks for a folder to export to.
+pub fn ask_folder(ctx: &egui::Context) -> Job<Option<PathBuf>> {
+    ask(ctx, "Export dialog", || {
+        rfd::FileDialog::new().set_title("Export room and people into a folder").pick_folder()
+    })
+}
+
 fn ask(
     ctx: &egui::Context,
     name: &str,

@@ -134,6 +134,16 @@ impl SampleMethod {
         }
     }
 
+    /// Name on the command line.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Search => "search",
+            Self::S1 => "s1",
+            Self::S2 => "s2",
+            Self::Baseline => "baseline",
+        }
+    }
+
     /// What it is good at, for somebody who has never heard of it.
     pub fn strength(self) -> &'static str {
         match self {
@@ -276,6 +286,11 @@ pub trait Engine: Send + Sync + 'static {
     /// # Errors
     /// What, which file, what to do; or cancelled.
     fn save(&self, path: &Path, project: &Project, ticker: &Ticker) -> Result<(), Stop>;
+    /// Writes room and people for other programs into a folder; how many files.
+    ///
+    /// # Errors
+    /// What, which file, what to do; or cancelled.
+    fn export(&self, folder: &Path, scene: &Scene, ticker: &Ticker) -> Result<usize, Stop>;
     /// Ray tree, distance field, support surfaces and floor of a room.
     ///
     /// # Errors

@@ -30,6 +30,8 @@ pub enum JobKind {
     Open,
     /// Writes a file.
     Save,
+    /// Writes files for other programs.
+    Export,
     /// Builds ray tree, distance field and surfaces.
     Geometry,
     /// Makes people.
@@ -84,6 +86,7 @@ struct Measuring {
 pub struct Jobs {
     open: Option<Job<Opened>>,
     save: Option<(PathBuf, u64, Job<()>)>,
+    export: Option<(PathBuf, Job<usize>)>,
     geometry: Option<(RoomVersion, Job<RoomGeometry>)>,
     populate: Option<Populating>,
     measure: Option<Measuring>,
@@ -137,6 +140,9 @@ impl Jobs {
         }
         if let Some((_, _, job)) = &self.save {
             rows.push(row(JobKind::Save, job));
+        }
+        if let Some((_, job)) = &self.export {
+            rows.push(row(JobKind::Export, job));
         }
         if let Some((_, job)) = &self.geometry {
             rows.push(row(JobKind::Geometry, job));
@@ -324,11 +330,53 @@ impl EditorState {
         }
     }
 
+    /// Fits these people to where they are now.
+    pub fn settle(&mut self, ids: &[PersonId]) {
+        let Some(geometry) = self.geometry().cloned() else {
+            self.notices.warning("The room is still being analysed: settle them in a moment (T).");
+            return;
+        };
+        if self.jobs.populating() {
+            self.notices.warning("People are being fitted already: wait or cancel, then press T.");
+            return;
+        }
+        let scene = self.document.scene();
+        let there = |id: &PersonId| scene.person(*id).filter(|person| !person.locked);
+        let people: Vec<Person> = ids.iter().filter_map(there).cloned().collect();
+        if people.is_empty() {
+            return;
+        }
+        let ids = people.iter().map(|person| person.id).collect();
+        let room = scene.room.clone();
+        let task = FitTask { room, geometry, people, knows_family: true };
+        self.start_fitting("Settle".to_owned(), task, ids, None);
+    }
+
+    /// Starts to write room and people for other programs into a folder.
+    pub fn start_exporting(&mut self, folder: PathBuf) {
+        let (engine, scene) = (self.engine.clone(), self.document.scene().clone());
+        let name = format!("Export to {}", file_name(&folder));
+        let target = folder.clone();
+        let work = move |cx: &crate::job::JobCtx| engine.export(&target, &scene, cx.ticker());
+        self.jobs.export = Some((folder, Job::spawn(name, Seed::root(0), self.waker(), work)));
+    }
+
+    fn poll_export(&mut self) {
+        let Some((folder, job)) = &mut self.jobs.export else { return };
+        let Some(outcome) = job.poll() else { return };
+        let (folder, name) = (folder.clone(), job.name().to_owned());
+        self.jobs.export = None;
+        if let Some(files) = self.taken(&name, outcome) {
+            self.notices.info(format!("Exported {files} files to {}", folder.display()));
+        }
+    }
+
     /// Lets go of one job.
     pub fn cancel(&mut self, kind: JobKind) {
         match kind {
             JobKind::Open => self.jobs.open = None,
             JobKind::Save => self.jobs.save = None,
+            JobKind::Export => self.jobs.export = None,
             JobKind::Geometry => {
                 self.jobs.hopeless = self.jobs.geometry.take().map(|(version, _)| version);
                 self.jobs.wanted = None;
@@ -365,6 +413,7 @@ impl EditorState {
     pub fn poll(&mut self) {
         self.poll_open();
         self.poll_save();
+        self.poll_export();
         self.poll_geometry();
         self.poll_populate();
         self.poll_measure();
@@ -565,7 +614,9 @@ impl EditorState {
     fn keep_measured_fresh(&mut self) {
         let busy = self.jobs.measure.is_some() || self.jobs.populate.is_some();
         let failed = self.jobs.unmeasurable == Some(self.document.revision());
-        if busy || failed || self.document.in_gesture() {
+        // People who are moved by hand are painted by what they touch.
+        let dragged = self.document.in_gesture() && self.transform.is_none();
+        if busy || failed || dragged {
             return;
         }
         let Some(geometry) = self.geometry().cloned() else { return };

@@ -14,6 +14,7 @@ use super::jobs::is_project_file;
 use super::sampling;
 use crate::assets::Budget;
 use crate::assets::Model;
+use crate::assets::glb_from_model;
 use crate::assets::read_model;
 use crate::assets::read_model_bytes;
 use crate::assets::sample_rooms;
@@ -21,6 +22,7 @@ use crate::body::Body;
 use crate::document::Project;
 use crate::document::load_project;
 use crate::document::save_project;
+use crate::document::write_folder;
 use crate::evolve;
 use crate::evolve::PopulatePreview;
 use crate::evolve::PopulateRequest;
@@ -36,6 +38,7 @@ use crate::render::BodySurface;
 use crate::render::Cutaway;
 use crate::render::Picture;
 use crate::render::SceneDraw;
+use crate::render::person_glb;
 use crate::render::picture;
 use crate::render::room_views;
 use crate::scene::BodyParams;
@@ -47,6 +50,7 @@ use crate::scene::RoomGeometry;
 use crate::scene::Scene;
 use crate::scene::layout::RoomType;
 use crate::scene::layout::new_room;
+use crate::scene::model_from_room;
 use crate::scene::understand;
 
 /// Size of the picture of a new room in pixels.
@@ -78,6 +82,18 @@ impl Engine for RealEngine {
     fn save(&self, path: &Path, project: &Project, ticker: &Ticker) -> Result<(), Stop> {
         ticker.stage("writing", 0)?;
         Ok(save_project(path, project)?)
+    }
+
+    fn export(&self, folder: &Path, scene: &Scene, ticker: &Ticker) -> Result<usize, Stop> {
+        ticker.stage("writing", scene.people.len() + 1)?;
+        let surface = self.surface();
+        let mut files = vec![("room.glb".to_owned(), glb_from_model(&model_from_room(&scene.room))?)];
+        for person in scene.people.iter().filter(|person| person.visible) {
+            ticker.advance()?;
+            files.push((format!("people/{:03}.glb", person.id.0), person_glb(person, &surface)?));
+        }
+        write_folder(folder, &files)?;
+        Ok(files.len())
     }
 
     fn geometry(&self, room: &Room, ticker: &Ticker) -> Result<RoomGeometry, Stop> {

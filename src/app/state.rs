@@ -12,6 +12,7 @@ use super::orbit::Orbit;
 use super::rooms::NewRoom;
 use super::samples::{Origin, Seen, Sheet};
 use super::selection::{Item, Selection};
+use super::transform::Transform;
 use crate::document::Command;
 use crate::document::Document;
 use crate::document::RoomVersion;
@@ -75,6 +76,8 @@ pub enum Overlay {
     Notifications,
     /// A new name for an item.
     Rename(Item, String),
+    /// Export by typing a folder.
+    ExportPath(String),
     /// Asks before unsaved changes are lost.
     Unsaved(Leaving),
     /// A room that the program makes.
@@ -117,11 +120,13 @@ pub struct PopulateOptions {
     pub families: BTreeSet<PoseFamily>,
     /// Root of the seed tree.
     pub seed: u64,
+    /// People who were moved by hand are fitted to where they are now.
+    pub settle: bool,
 }
 
 impl Default for PopulateOptions {
     fn default() -> Self {
-        Self { people: 6, families: PoseFamily::ALL.into_iter().collect(), seed: 1 }
+        Self { people: 6, families: PoseFamily::ALL.into_iter().collect(), seed: 1, settle: true }
     }
 }
 
@@ -157,6 +162,8 @@ pub struct WindowRequests {
     pub open_dialog: bool,
     /// Ask for a file to save to.
     pub save_dialog: bool,
+    /// Ask for a folder to export to.
+    pub export_dialog: bool,
     /// Switch full screen.
     pub full_screen: bool,
     /// Put the panels back.
@@ -200,6 +207,8 @@ pub struct EditorState {
     pub view: ViewOptions,
     /// What a click does.
     pub tool: Tool,
+    /// What is being moved by hand.
+    pub transform: Option<Transform>,
     /// What lies over the window.
     pub overlay: Overlay,
     /// What was understood of the room's file.
@@ -222,6 +231,8 @@ pub struct EditorState {
     pub requests: WindowRequests,
     /// Width over height of the viewport, for framing.
     pub aspect: f32,
+    /// Rises with every measurement: the heat map changes with it.
+    pub measurements: u64,
     /// Number of the finding looked at last.
     pub finding: Option<usize>,
     pub(super) geometry: Option<(RoomVersion, Arc<RoomGeometry>)>,
@@ -243,6 +254,7 @@ impl EditorState {
             populate: PopulateOptions::default(),
             view: ViewOptions::default(),
             tool: Tool::default(),
+            transform: None,
             overlay: Overlay::default(),
             import: None,
             project: None,
@@ -254,6 +266,7 @@ impl EditorState {
             last_made: Vec::new(),
             requests: WindowRequests::default(),
             aspect: 1.5,
+            measurements: 0,
             finding: None,
             geometry: None,
             measured: BTreeMap::new(),
@@ -321,6 +334,15 @@ impl EditorState {
         holds.then_some(measured)
     }
 
+    /// Signed distance of every vertex of a person to paint them by. While they are being moved those measured last
+    /// will do: the next ones are under way.
+    pub fn shown_distances_m(&self, id: PersonId) -> Option<Arc<[f32]>> {
+        let moved = self.transform.as_ref().is_some_and(|t| t.holds(id));
+        let measured = if moved { self.measured.get(&id) } else { self.measured(id) };
+        let wanted = moved || self.view.heat == Heat::Distance;
+        measured.filter(|_| wanted).map(|m| m.distances_m.clone())
+    }
+
     /// Keeps what was measured of `person` in the room of `version`.
     pub(super) fn keep_measured(
         &mut self,
@@ -334,16 +356,12 @@ impl EditorState {
         let measured =
             Measured { body: person.body.clone(), version, report: Arc::new(report), distances_m, energies };
         self.measured.insert(person.id, measured);
+        self.measurements += 1;
     }
 
     /// Forgets a measurement, so that it is made again.
     pub(super) fn forget_measured(&mut self, id: PersonId) {
         self.measured.remove(&id);
-    }
-
-    /// How many measurements hold; the heat map changes with it.
-    pub fn measured_count(&self) -> usize {
-        self.document.scene().people.iter().filter(|p| self.measured(p.id).is_some()).count()
     }
 
     /// People that have not been measured as they are.

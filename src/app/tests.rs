@@ -139,6 +139,10 @@ impl Engine for FakeEngine {
         Ok(())
     }
 
+    fn export(&self, _: &Path, scene: &Scene, _: &Ticker) -> Result<usize, Stop> {
+        Ok(1 + scene.people.len())
+    }
+
     fn geometry(&self, room: &Room, _: &Ticker) -> Result<RoomGeometry, Stop> {
         let (owner, triangles): (Vec<_>, Vec<_>) = room.world_triangles().unzip();
         let config = GeometryConfig::default();
@@ -658,6 +662,42 @@ fn why_like_this_shows_what_was_seen_and_the_body_before_the_fit() {
     let ghosts = user.state().shown_ghosts();
     assert_eq!(ghosts[0].body.translation.y, 1.0, "as it was sampled");
     assert_eq!(person.body.translation.y, 0.9);
+}
+
+#[test]
+fn somebody_who_is_moved_along_an_axis_by_a_number_settles_there_and_two_undos_take_it_back() {
+    let mut user = User::opens_the_study();
+    user.populates(1);
+    let id = user.state().document.scene().people[0].id;
+    user.state().selection.only(Item::Person(id));
+    for key in [Key::G, Key::X, Key::Num1, Key::Period, Key::Num5] {
+        user.presses(Modifiers::NONE, key);
+    }
+    let body = |user: &User| user.harness.state().state.document.scene().people[0].body.clone();
+    assert!((body(&user).translation - Vec3::new(1.5, 1.0, 0.0)).length() < 1e-5, "{:?}", body(&user));
+    user.presses(Modifiers::NONE, Key::Enter);
+    user.waits(|state| !state.jobs.any_running());
+    assert_eq!((body(&user).translation.x, body(&user).translation.y), (1.5, 0.9), "moved, then settled");
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!(body(&user).translation.y, 1.0);
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!((body(&user).translation.x, user.people()), (0.0, 1));
+}
+
+#[test]
+fn escape_while_something_is_turned_puts_it_back_and_x_deletes_nothing() {
+    let mut user = User::opens_the_study();
+    user.state().selection.only(Item::Object(ObjectId(1)));
+    for key in [Key::R, Key::Num9, Key::Num0] {
+        user.presses(Modifiers::NONE, key);
+    }
+    let sofa = |user: &User| user.harness.state().state.document.scene().room.objects[1].world_from_object;
+    let turned = sofa(&user).transform_vector3(Vec3::X);
+    assert!(turned.distance(Vec3::NEG_Z) < 1e-5, "{turned}");
+    user.presses(Modifiers::NONE, Key::X);
+    user.presses(Modifiers::NONE, Key::Escape);
+    assert_eq!(sofa(&user), Affine3A::IDENTITY);
+    assert!(!user.state().document.can_undo() && user.state().document.scene().room.objects.len() == 2);
 }
 
 #[test]

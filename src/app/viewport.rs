@@ -24,14 +24,19 @@ pub fn viewport(ui: &mut Ui, state: &mut EditorState, canvas: &mut Canvas) -> bo
     state.aspect = rect.width() / rect.height();
     navigate(ui, state, &response, rect);
     let hovered = hovered(ui, state, &response, rect);
+    transform(ui, state, rect);
     canvas.show(ui, rect, state, hovered.map(|h| h.item));
-    click(ui, state, &response, hovered);
-    select_by_box(ui, state, &response, rect);
+    if state.transform.is_some() {
+        end_transform(ui, state, &response);
+    } else {
+        click(ui, state, &response, hovered);
+        select_by_box(ui, state, &response, rect);
+        menu(state, &response);
+    }
     overlay3d::axes(ui, state, rect);
     overlay3d::legend(ui, state, rect);
     value_under_cursor(ui, state, &response, hovered);
     tool_cursor(ui, state, &response);
-    menu(state, &response);
     if state.orbit.advance(ui.input(|i| i.stable_dt)) {
         ui.ctx().request_repaint();
     }
@@ -50,8 +55,9 @@ fn navigate(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect) {
     let modifiers = ui.input(|i| i.modifiers);
     let delta = response.drag_delta();
     let dragged = |button| response.dragged_by(button);
-    let (left, middle, right) =
-        (dragged(PointerButton::Primary), dragged(PointerButton::Middle), dragged(PointerButton::Secondary));
+    let middle = dragged(PointerButton::Middle);
+    let free = state.transform.is_none();
+    let (left, right) = (free && dragged(PointerButton::Primary), free && dragged(PointerButton::Secondary));
     if middle && (modifiers.shift || modifiers.alt) {
         state.orbit.pan(delta.x, delta.y, rect.height());
     } else if middle || (left && modifiers.alt) {
@@ -63,6 +69,29 @@ fn navigate(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect) {
         fly(ui, state, modifiers);
     }
     wheel(ui, state, response, rect, right);
+}
+
+/// What is moved by hand follows the mouse.
+fn transform(ui: &Ui, state: &mut EditorState, rect: Rect) {
+    if state.transform.is_none() {
+        return;
+    }
+    let (at, snap) = ui.input(|i| (i.pointer.latest_pos(), i.modifiers.command));
+    if let Some(at) = at {
+        let ray = ray_at(state, rect, at);
+        state.drag_transform(&ray, snap);
+    }
+    ui.ctx().set_cursor_icon(egui::CursorIcon::Move);
+}
+
+/// The left button keeps it, the right one leaves everything as it was.
+fn end_transform(ui: &Ui, state: &mut EditorState, response: &Response) {
+    let (left, right) = ui.input(|i| {
+        (i.pointer.button_pressed(PointerButton::Primary), i.pointer.button_pressed(PointerButton::Secondary))
+    });
+    if response.contains_pointer() && (left || right) {
+        state.end_transform(left);
+    }
 }
 
 fn fly(ui: &Ui, state: &mut EditorState, modifiers: Modifiers) {
@@ -233,7 +262,20 @@ fn menu(state: &mut EditorState, response: &Response) {
         return;
     }
     response.context_menu(|ui| {
-        for id in ["frame", "re-roll", "isolate", "hide", "lock", "duplicate", "rename", "delete"] {
+        for id in [
+            "frame",
+            "why",
+            "move",
+            "turn",
+            "settle",
+            "re-roll",
+            "isolate",
+            "hide",
+            "lock",
+            "duplicate",
+            "rename",
+            "delete",
+        ] {
             if panels::menu_entry(ui, state, id) {
                 ui.close();
             }

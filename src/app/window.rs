@@ -1,8 +1,8 @@
 //! The window itself: panels in a dock around the viewport, keys, dropped files, dialogs.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use egui::{Context, Key, Modifiers, Ui, ViewportCommand};
@@ -14,6 +14,7 @@ use super::actions;
 use super::canvas::Canvas;
 use super::commands;
 use super::engine::Engine;
+use super::frames::{FrameClock, FrameTimes};
 use super::panels;
 use super::panels::RenderStatus;
 use super::state::{EditorState, Overlay};
@@ -56,6 +57,8 @@ pub struct Window {
     leaving: bool,
     title: String,
     settings: Option<Remembered>,
+    clock: FrameClock,
+    times: Option<Arc<Mutex<FrameTimes>>>,
 }
 
 /// Where settings are kept, and as they were kept last.
@@ -69,6 +72,7 @@ struct Remembered {
 enum Dialog {
     Open(Job<Option<PathBuf>>),
     Save(Job<Option<PathBuf>>),
+    Export(Job<Option<PathBuf>>),
 }
 
 impl Window {
@@ -95,7 +99,15 @@ impl Window {
             leaving: false,
             title: String::new(),
             settings: None,
+            clock: FrameClock::default(),
+            times: None,
         }
+    }
+
+    /// Puts the times of all frames into `times` when the window closes.
+    #[must_use]
+    pub fn keeping_times(self, times: Arc<Mutex<FrameTimes>>) -> Self {
+        Self { times: Some(times), ..self }
     }
 
     /// Takes recent files and theme from `path`, and keeps them there from now on.
@@ -146,6 +158,10 @@ impl Window {
         let events = ctx.input(|i| i.events.clone());
         for event in events {
             let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { continue };
+            if !typing && self.state.key_in_transform(key, modifiers) {
+                ctx.input_mut(|i| i.consume_key(modifiers, key));
+                continue;
+            }
             if let Some(command) = command_for(key, modifiers, typing, flying, &self.state.overlay) {
                 ctx.input_mut(|i| i.consume_key(modifiers, key));
                 run_if_possible(&mut self.state, command);
@@ -188,26 +204,31 @@ impl Window {
         if requests.save_dialog {
             self.dialog = Some(Dialog::Save(super::dialog::ask_save(ctx)));
         }
+        if requests.export_dialog {
+            self.dialog = Some(Dialog::Export(super::dialog::ask_folder(ctx)));
+        }
         let dark = self.state.view.dark;
         ctx.set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
     }
 
     /// What the user chose in a dialog; without a dialog on this desktop, a field for the path instead.
     fn poll_dialog(&mut self) {
-        let outcome = match &mut self.dialog {
-            Some(Dialog::Open(job) | Dialog::Save(job)) => job.poll(),
-            None => None,
+        let Some(Dialog::Open(job) | Dialog::Save(job) | Dialog::Export(job)) = &mut self.dialog else {
+            return;
         };
-        let Some(outcome) = outcome else { return };
-        let saving = matches!(self.dialog.take(), Some(Dialog::Save(_)));
-        match outcome {
-            Outcome::Done(Some(path)) if saving => {
-                self.state.start_saving(panels::with_project_extension(path));
+        let Some(outcome) = job.poll() else { return };
+        let Some(dialog) = self.dialog.take() else { return };
+        let state = &mut self.state;
+        match (outcome, dialog) {
+            (Outcome::Done(Some(path)), Dialog::Open(_)) => actions::open_file(state, path),
+            (Outcome::Done(Some(path)), Dialog::Save(_)) => {
+                state.start_saving(panels::with_project_extension(path));
             }
-            Outcome::Done(Some(path)) => actions::open_file(&mut self.state, path),
-            Outcome::Done(None) => {}
-            _ if saving => self.state.overlay = Overlay::SavePath(String::new()),
-            _ => self.state.overlay = Overlay::OpenPath(String::new()),
+            (Outcome::Done(Some(path)), Dialog::Export(_)) => state.start_exporting(path),
+            (Outcome::Done(None), _) => {}
+            (_, Dialog::Open(_)) => state.overlay = Overlay::OpenPath(String::new()),
+            (_, Dialog::Save(_)) => state.overlay = Overlay::SavePath(String::new()),
+            (_, Dialog::Export(_)) => state.overlay = Overlay::ExportPath(String::new()),
         }
     }
 
@@ -230,6 +251,7 @@ impl Window {
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
+        self.clock.begin(self.state.jobs.populating());
         // Before the jobs are looked at, so that news during the look ask for another frame.
         self.woken.store(false, Ordering::Release);
         self.state.poll();
@@ -265,6 +287,13 @@ impl eframe::App for Window {
         panels::drop_hint(&ctx);
         panels::toasts(&ctx, &mut self.state);
         self.do_requests(&ctx);
+        self.clock.end(self.state.jobs.populating());
+    }
+
+    fn on_exit(&mut self) {
+        if let Some(times) = &self.times {
+            *times.lock().unwrap_or_else(PoisonError::into_inner) = self.clock.times().clone();
+        }
     }
 
     /// Tab goes through the people, not through the widgets, while nobody types.

@@ -8,7 +8,6 @@ use glam::Vec3;
 
 use super::load::{self, Loaded};
 use super::output::OutputFolder;
-use super::people::person_glb;
 use super::pictures::Photographer;
 use super::progress::run_job;
 use super::report::{BodyRow, GenerateReport, Seconds, Summary};
@@ -17,7 +16,7 @@ use crate::body::Body;
 use crate::document::{Project, save_project};
 use crate::evolve::{PopulateRequest, Populated, populate};
 use crate::job::{JobCtx, Seed};
-use crate::render::BodySurface;
+use crate::render::{BodySurface, person_glb};
 use crate::scene::{Person, PoseFamily, RoomGeometry, Scene};
 
 /// How many people come when nobody says.

@@ -22,6 +22,7 @@ pub fn overlays(ctx: &Context, state: &mut EditorState) {
         Overlay::Help => window(ctx, state, "Help", 520.0, |ui, _| help(ui)),
         Overlay::OpenPath(text) => open_path(ctx, state, text),
         Overlay::SavePath(text) => save_path(ctx, state, text),
+        Overlay::ExportPath(text) => export_path(ctx, state, text),
         Overlay::Import => window(ctx, state, "Import report", 460.0, import_report),
         Overlay::History => window(ctx, state, "History", 300.0, history),
         Overlay::Notifications => window(ctx, state, "Notifications", 460.0, notifications),
@@ -160,6 +161,7 @@ const MOUSE: &[(&str, &str)] = &[
     ("Zoom to the cursor", "Wheel"),
     ("Zoom", "Alt + right drag"),
     ("Look around and fly", "Right drag with W A S D, Q E; Shift fast, Ctrl slow, wheel: speed"),
+    ("Move or turn the selection", "G or R, then X, Y, Z, a number; click or Enter keeps it"),
     ("Select, add or remove", "Click, Shift + click"),
     ("Select several", "Drag on empty ground"),
     ("Frame what is under the cursor", "Double click"),
@@ -242,6 +244,25 @@ fn save_path(ctx: &Context, state: &mut EditorState, mut text: String) {
         state.overlay = Overlay::None;
     } else {
         state.overlay = Overlay::SavePath(text);
+    }
+}
+
+fn export_path(ctx: &Context, state: &mut EditorState, mut text: String) {
+    let mut chosen = false;
+    let response = Modal::new(Id::unique("export path")).show(ctx, |ui| {
+        ui.set_width(480.0_f32.min(ctx.content_rect().width() - 60.0));
+        ui.heading("Export room and people");
+        let (entered, pressed) = path_field(ui, &mut text, "Path of a folder; it is made if it is missing", "Export");
+        chosen = entered || pressed;
+        ui.weak("room.glb and people/000.glb and so on, in one frame: metres, Y up. Files of these names are replaced.");
+    });
+    if chosen && !text.trim().is_empty() {
+        state.overlay = Overlay::None;
+        state.start_exporting(PathBuf::from(text.trim()));
+    } else if response.should_close() {
+        state.overlay = Overlay::None;
+    } else {
+        state.overlay = Overlay::ExportPath(text);
     }
 }
 
