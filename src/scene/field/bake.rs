@@ -262,7 +262,11 @@ pub(super) fn bake_kept(
     Ok(field)
 }
 
-fn cache_key(triangles: &[[Vec3; 3]], config: &FieldConfig, step: Step) -> Result<String, Stopped> {
+pub(super) fn cache_key(
+    triangles: &[[Vec3; 3]],
+    config: &FieldConfig,
+    step: Step,
+) -> Result<String, Stopped> {
     let mut hasher = ContentHasher::default();
     hasher.write_number(CACHE_VERSION);
     hasher.write(format!("{config:?}").as_bytes());
