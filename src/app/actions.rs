@@ -593,3 +593,8 @@ pub fn toggle_before(state: &mut EditorState) {
 pub fn show_networks(state: &mut EditorState) {
     state.overlay = Overlay::Networks(0);
 }
+
+/// Brings the photo panel to the front.
+pub fn show_photo(state: &mut EditorState) {
+    state.requests.show_photo = true;
+}

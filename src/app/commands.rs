@@ -170,6 +170,7 @@ pub const COMMANDS: &[CommandInfo] = commands! {
     "put-here" People "Put somebody here" [SHIFT A] "Click a spot and somebody appears there." if has_room => actions::put_here;
     "re-roll" People "Re-roll" [NONE F9] "Makes the selected people anew with another seed; without a selection, the last generation." if has_people => actions::re_roll;
     "sample-view" People "Sample from this view" [SHIFT S] "Proposes people for what is seen; accept those you like." if |s| s.geometry().is_some() => actions::sample_view;
+    "photo" People "Fit to a photo..." [] "Finds a person of a photo, by its keypoints, in this room." if has_room => actions::show_photo;
     "accept" People "Accept candidate" [NONE Enter] "Fits the candidate that is shown and puts it into the room." if |s| s.sheet.chosen_card().is_some() => actions::accept_chosen;
     "accept-all" People "Accept all" [SHIFT Enter] "Fits every candidate that is left and puts them into the room." if has_open_cards => actions::accept_all;
     "next-candidate" People "Next candidate" [NONE CloseBracket] "Shows the next candidate in the view." if has_cards => actions::next_candidate;

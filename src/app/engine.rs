@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::assets::PersonKeypoints;
 use crate::document::Project;
+use crate::evolve::EstimatorKind;
 use crate::evolve::PopulatePreview;
 use crate::generate::sensor::SceneImage;
 use crate::inspect::BodyReport;
@@ -118,6 +120,8 @@ pub enum SampleMethod {
     S2,
     /// The modified network of Li et al. that PSI compares with.
     Baseline,
+    /// Found in a photo; not on the menu of samplers.
+    Photo,
 }
 
 impl SampleMethod {
@@ -131,6 +135,7 @@ impl SampleMethod {
             Self::S1 => "Network S1",
             Self::S2 => "Network S2",
             Self::Baseline => "Baseline network",
+            Self::Photo => "Photo",
         }
     }
 
@@ -141,6 +146,7 @@ impl SampleMethod {
             Self::S1 => "s1",
             Self::S2 => "s2",
             Self::Baseline => "baseline",
+            Self::Photo => "photo",
         }
     }
 
@@ -163,6 +169,7 @@ impl SampleMethod {
                 "An older network to compare with: picks a place, then one of a few learned pose classes. Coarser; \
                  its bodies need the most fitting."
             }
+            Self::Photo => "Found in a photo by its keypoints.",
         }
     }
 }
@@ -223,6 +230,36 @@ pub struct FitTask {
     pub people: Vec<Person>,
     /// Whether it is known what they do ([`Person::family`] and [`Person::on`]); else it is found out.
     pub knows_family: bool,
+}
+
+/// A photo with keypoints.
+#[derive(Clone, Debug)]
+pub struct Photo {
+    /// Its pixels, perhaps fewer than the file's.
+    pub picture: Picture,
+    /// Columns and rows of the file, which the keypoints are in.
+    pub size_px: [u32; 2],
+    /// Everybody who has keypoints.
+    pub people: Vec<PersonKeypoints>,
+}
+
+/// A person of a photo to be found in the room; an owned snapshot.
+#[derive(Clone)]
+pub struct PhotoTask {
+    /// The room.
+    pub room: Arc<Room>,
+    /// What its geometry says.
+    pub geometry: Arc<RoomGeometry>,
+    /// The camera that took the photo.
+    pub camera: Camera,
+    /// Columns and rows.
+    pub size_px: [u32; 2],
+    /// The person in it.
+    pub keypoints: PersonKeypoints,
+    /// How it is found.
+    pub estimator: EstimatorKind,
+    /// Number of the new person.
+    pub id: u32,
 }
 
 /// What is wanted of a room that the program makes.
@@ -325,6 +362,16 @@ pub trait Engine: Send + Sync + 'static {
     /// # Errors
     /// Why they can't be fitted; or cancelled.
     fn fit(&self, task: &FitTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop>;
+    /// Reads a photo and its keypoints.
+    ///
+    /// # Errors
+    /// What, which file and place, what to do; or cancelled.
+    fn open_photo(&self, picture: &Path, keypoints: &Path, ticker: &Ticker) -> Result<Photo, Stop>;
+    /// Finds a person of a photo; previews are the person as it is so far.
+    ///
+    /// # Errors
+    /// Why it can't be found; or cancelled.
+    fn fit_photo(&self, task: &PhotoTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop>;
     /// A small picture of somebody in the room.
     ///
     /// # Errors

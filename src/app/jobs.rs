@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::actions;
-use super::engine::{FitTask, Made, Opened, PopulateTask, SampleMethod, Source};
+use super::engine::{FitTask, Made, Opened, Photo, PopulateTask, SampleMethod, Source};
 use super::rooms;
 use super::samples::{self, Fate, Origin};
 use super::selection::Item;
@@ -46,6 +46,8 @@ pub enum JobKind {
     MakeRoom,
     /// Looks at the room as a network does.
     See,
+    /// Reads a photo.
+    Photo,
 }
 
 /// A row of the job list.
@@ -94,6 +96,7 @@ pub struct Jobs {
     pub(super) portraits: Option<samples::Portraits>,
     pub(super) making_room: Option<rooms::MakingRoom>,
     pub(super) seeing: Option<Job<SceneImage>>,
+    pub(super) photo: Option<Job<Photo>>,
     wanted: Option<Wanted>,
     /// The room whose geometry failed; not tried again until the room changes.
     hopeless: Option<RoomVersion>,
@@ -164,6 +167,9 @@ impl Jobs {
         }
         if let Some(job) = &self.seeing {
             rows.push(row(JobKind::See, job));
+        }
+        if let Some(job) = &self.photo {
+            rows.push(row(JobKind::Photo, job));
         }
         rows
     }
@@ -295,6 +301,18 @@ impl EditorState {
         self.jobs.populate = Some(Populating { job, version, replacing, source });
     }
 
+    /// Starts to make people by `work`.
+    pub(super) fn start_making(
+        &mut self,
+        name: String,
+        work: impl FnOnce(&crate::job::JobCtx<PopulatePreview>) -> Result<Made, crate::job::Stop> + Send + 'static,
+        source: samples::Source,
+    ) {
+        let job = Job::spawn(name, Seed::root(self.populate.seed), self.waker(), work);
+        let version = self.document.room_version();
+        self.jobs.populate = Some(Populating { job, version, replacing: Vec::new(), source: Some(source) });
+    }
+
     /// One task for each person who is to become somebody else at about the same place.
     fn tasks_again(&self, geometry: &Arc<RoomGeometry>, ids: &[PersonId]) -> Vec<PopulateTask> {
         let scene = self.document.scene();
@@ -397,6 +415,7 @@ impl EditorState {
             JobKind::Portraits => self.jobs.portraits = None,
             JobKind::MakeRoom => self.jobs.making_room = None,
             JobKind::See => self.jobs.seeing = None,
+            JobKind::Photo => self.jobs.photo = None,
         }
         self.notices.info("Cancelled. Nothing was changed.");
     }
@@ -421,6 +440,7 @@ impl EditorState {
         self.poll_portraits();
         self.poll_made_room();
         self.poll_seeing();
+        self.poll_photo();
         self.keep_geometry_fresh();
         self.start_wanted();
         self.keep_measured_fresh();

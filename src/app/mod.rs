@@ -16,6 +16,7 @@ mod notices;
 mod orbit;
 mod overlay3d;
 mod panels;
+mod photo;
 mod pick;
 mod pictures;
 mod real;

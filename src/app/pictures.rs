@@ -72,9 +72,14 @@ impl Shown {
 
     /// Paints it into a rectangle.
     pub fn paint(&self, ui: &Ui, rect: egui::Rect) {
+        self.paint_tinted(ui, rect, Color32::WHITE);
+    }
+
+    /// Paints it into a rectangle, each pixel times `tint`.
+    pub fn paint_tinted(&self, ui: &Ui, rect: egui::Rect, tint: Color32) {
         let options = if self.sharp { TextureOptions::NEAREST } else { TextureOptions::LINEAR };
         let load = || ui.ctx().load_texture("picture", self.image.clone(), options);
-        egui::Image::new(self.texture.get_or_init(load)).corner_radius(3.0).paint_at(ui, rect);
+        egui::Image::new(self.texture.get_or_init(load)).corner_radius(3.0).tint(tint).paint_at(ui, rect);
     }
 }
 

@@ -9,6 +9,7 @@ use super::engine::{Energies, Engine, ImportSummary};
 use super::jobs::Jobs;
 use super::notices::Notices;
 use super::orbit::Orbit;
+use super::photo::PhotoPanel;
 use super::rooms::NewRoom;
 use super::samples::{Origin, Seen, Sheet};
 use super::selection::{Item, Selection};
@@ -174,6 +175,10 @@ pub struct WindowRequests {
     pub show_why: bool,
     /// Bring *Sample* to the front.
     pub show_sample: bool,
+    /// Bring *Photo* to the front.
+    pub show_photo: bool,
+    /// Ask for a photo (false) or its keypoints (true).
+    pub photo_dialog: Option<bool>,
 }
 
 /// A measured body: valid for exactly this body in exactly this room.
@@ -223,6 +228,8 @@ pub struct EditorState {
     pub sheet: Sheet,
     /// What a network would see from here, when it was last asked.
     pub look: Option<Arc<Seen>>,
+    /// The photo over the view.
+    pub photo: PhotoPanel,
     /// The room that is being made.
     pub new_room: NewRoom,
     /// Who was made last, for re-rolls without a selection.
@@ -262,6 +269,7 @@ impl EditorState {
             ghosts: Vec::new(),
             sheet: Sheet::default(),
             look: None,
+            photo: PhotoPanel::default(),
             new_room: NewRoom::default(),
             last_made: Vec::new(),
             requests: WindowRequests::default(),

@@ -26,6 +26,7 @@ pub fn viewport(ui: &mut Ui, state: &mut EditorState, canvas: &mut Canvas) -> bo
     let hovered = hovered(ui, state, &response, rect);
     transform(ui, state, rect);
     canvas.show(ui, rect, state, hovered.map(|h| h.item));
+    photo_over_view(ui, state, rect);
     if state.transform.is_some() {
         end_transform(ui, state, &response);
     } else {
@@ -69,6 +70,22 @@ fn navigate(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect) {
         fly(ui, state, modifiers);
     }
     wheel(ui, state, response, rect, right);
+}
+
+/// The photo that a person is found in, and the person's keypoints.
+fn photo_over_view(ui: &Ui, state: &EditorState, rect: Rect) {
+    let Some(photo) = &state.photo.photo else { return };
+    let place = photo.place(rect);
+    let painter = ui.painter().with_clip_rect(rect);
+    photo.picture.paint_tinted(ui, place, Color32::WHITE.gamma_multiply(state.photo.opacity));
+    painter.rect_stroke(place, 0.0, egui::Stroke::new(1.0, Color32::WHITE), egui::StrokeKind::Inside);
+    let Some(person) = state.photo_keypoints() else { return };
+    let scale = place.width() / photo.size_px[0].max(1) as f32;
+    for point in person.points.iter().filter(|point| point.confidence > 0.0) {
+        let at = place.min + vec2(point.pixel.x, point.pixel.y) * scale;
+        let color = Color32::from_rgb(255, 196, 0).gamma_multiply(0.4 + 0.6 * point.confidence.min(1.0));
+        painter.circle(at, 4.0, color, egui::Stroke::new(1.0, Color32::BLACK));
+    }
 }
 
 /// What is moved by hand follows the mouse.

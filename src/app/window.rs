@@ -34,6 +34,7 @@ enum Pane {
     People,
     Populate,
     Sample,
+    Photo,
     Inspector,
     Why,
     Candidates,
@@ -73,6 +74,8 @@ enum Dialog {
     Open(Job<Option<PathBuf>>),
     Save(Job<Option<PathBuf>>),
     Export(Job<Option<PathBuf>>),
+    /// A photo (false) or its keypoints (true).
+    Photo(Job<Option<PathBuf>>, bool),
 }
 
 impl Window {
@@ -193,6 +196,7 @@ impl Window {
             (requests.show_sheet, Pane::Candidates),
             (requests.show_sample, Pane::Sample),
             (requests.show_why, Pane::Why),
+            (requests.show_photo, Pane::Photo),
         ] {
             if asked {
                 self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(of) if *of == pane));
@@ -204,6 +208,9 @@ impl Window {
         if requests.save_dialog {
             self.dialog = Some(Dialog::Save(super::dialog::ask_save(ctx)));
         }
+        if let Some(keypoints) = requests.photo_dialog {
+            self.dialog = Some(Dialog::Photo(super::dialog::ask_photo(ctx, keypoints), keypoints));
+        }
         if requests.export_dialog {
             self.dialog = Some(Dialog::Export(super::dialog::ask_folder(ctx)));
         }
@@ -213,8 +220,9 @@ impl Window {
 
     /// What the user chose in a dialog; without a dialog on this desktop, a field for the path instead.
     fn poll_dialog(&mut self) {
-        let Some(Dialog::Open(job) | Dialog::Save(job) | Dialog::Export(job)) = &mut self.dialog else {
-            return;
+        let job = match &mut self.dialog {
+            Some(Dialog::Open(job) | Dialog::Save(job) | Dialog::Export(job) | Dialog::Photo(job, _)) => job,
+            None => return,
         };
         let Some(outcome) = job.poll() else { return };
         let Some(dialog) = self.dialog.take() else { return };
@@ -225,7 +233,14 @@ impl Window {
                 state.start_saving(panels::with_project_extension(path));
             }
             (Outcome::Done(Some(path)), Dialog::Export(_)) => state.start_exporting(path),
+            (Outcome::Done(Some(path)), Dialog::Photo(_, true)) => {
+                state.photo.keypoints_path = path.display().to_string();
+            }
+            (Outcome::Done(Some(path)), Dialog::Photo(_, false)) => {
+                state.photo.picture_path = path.display().to_string();
+            }
             (Outcome::Done(None), _) => {}
+            (_, Dialog::Photo(..)) => state.notices.warning("This desktop has no file dialog: type the path."),
             (_, Dialog::Open(_)) => state.overlay = Overlay::OpenPath(String::new()),
             (_, Dialog::Save(_)) => state.overlay = Overlay::SavePath(String::new()),
             (_, Dialog::Export(_)) => state.overlay = Overlay::ExportPath(String::new()),
@@ -348,7 +363,7 @@ fn layout() -> Tree<Pane> {
     let people = tabs(&[Pane::People]);
     let view = tabs(&[Pane::Viewport]);
     let below = tabs(&[Pane::Findings, Pane::Candidates, Pane::Energies, Pane::Jobs]);
-    let populate = tabs(&[Pane::Populate, Pane::Sample]);
+    let populate = tabs(&[Pane::Populate, Pane::Sample, Pane::Photo]);
     let inspector = tabs(&[Pane::Inspector, Pane::Why]);
     let mut column =
         |children: [TileId; 2], shares: [f32; 2]| linear(&mut tiles, LinearDir::Vertical, &children, &shares);
@@ -384,6 +399,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::People => panels::people,
             Pane::Populate => panels::populate,
             Pane::Sample => panels::sample,
+            Pane::Photo => panels::photo,
             Pane::Inspector => panels::inspector,
             Pane::Why => panels::why,
             Pane::Candidates => panels::sheet,
@@ -402,6 +418,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::People => format!("People {}", self.state.document.scene().people.len()),
             Pane::Populate => "Populate".to_owned(),
             Pane::Sample => "Sample".to_owned(),
+            Pane::Photo => "Photo".to_owned(),
             Pane::Inspector => "Inspector".to_owned(),
             Pane::Why => "Why like this".to_owned(),
             Pane::Candidates => format!("Candidates {}", self.state.sheet.cards.len()),

@@ -49,6 +49,7 @@ fn came_from(ui: &mut Ui, state: &mut EditorState, person: &Person, origin: &Ori
         (SampleMethod::Search, true) => {
             format!("The search found this place on the {} within the view below.", person.on)
         }
+        (SampleMethod::Photo, _) => "Found in a photo by its keypoints.".to_owned(),
         (method, _) => {
             format!("{} drew this body from the two images below; then it was fitted.", method.label())
         }
