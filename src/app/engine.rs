@@ -8,7 +8,6 @@ use glam::Vec3;
 
 use crate::assets::PersonKeypoints;
 use crate::document::Project;
-use crate::evolve::EstimatorKind;
 use crate::evolve::PopulatePreview;
 use crate::generate::sensor::SceneImage;
 use crate::inspect::BodyReport;
@@ -232,6 +231,18 @@ pub struct FitTask {
     pub knows_family: bool,
 }
 
+/// How a person of a photo is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PhotoMethod {
+    /// By keypoints, the room, and what people do in this view (PSI §4.2).
+    #[default]
+    Scene,
+    /// By keypoints and the room (PROX).
+    Room,
+    /// By keypoints alone (SMPLify-X).
+    Keypoints,
+}
+
 /// A photo with keypoints.
 #[derive(Clone, Debug)]
 pub struct Photo {
@@ -257,7 +268,7 @@ pub struct PhotoTask {
     /// The person in it.
     pub keypoints: PersonKeypoints,
     /// How it is found.
-    pub estimator: EstimatorKind,
+    pub estimator: PhotoMethod,
     /// Number of the new person.
     pub id: u32,
 }

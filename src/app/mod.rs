@@ -17,6 +17,7 @@ mod orbit;
 mod overlay3d;
 mod panels;
 mod photo;
+mod photos;
 mod pick;
 mod pictures;
 mod real;

@@ -4,12 +4,11 @@ use std::path::PathBuf;
 
 use egui::{Rect, Vec2};
 
-use super::engine::{Photo, PhotoTask};
+use super::engine::{Photo, PhotoMethod, PhotoTask};
 use super::pictures::Shown;
 use super::samples::Source;
 use super::state::EditorState;
 use crate::assets::PersonKeypoints;
-use crate::evolve::EstimatorKind;
 use crate::job::{Job, JobCtx, Seed};
 use crate::scene::Camera;
 
@@ -27,7 +26,7 @@ pub struct PhotoPanel {
     /// How much of the photo is seen over the room.
     pub opacity: f32,
     /// How the person is found.
-    pub estimator: EstimatorKind,
+    pub estimator: PhotoMethod,
 }
 
 impl Default for PhotoPanel {
@@ -38,7 +37,7 @@ impl Default for PhotoPanel {
             photo: None,
             person: 0,
             opacity: 0.5,
-            estimator: EstimatorKind::SceneAware,
+            estimator: PhotoMethod::Scene,
         }
     }
 }
@@ -132,3 +131,34 @@ impl EditorState {
     }
 }
 
+#[cfg(test)]
+mod tests {
+    use egui::pos2;
+
+    use super::*;
+
+    fn photo(size_px: [u32; 2]) -> OpenedPhoto {
+        let picture =
+            crate::render::Picture { width: 1, height: 1, rgba: vec![0; 4], backend: String::new() };
+        OpenedPhoto { picture: picture.into(), size_px, people: Vec::new() }
+    }
+
+    #[test]
+    fn what_lies_under_a_pixel_of_the_photo_is_what_its_camera_sees_there() {
+        let view = Rect::from_min_max(pos2(0.0, 0.0), pos2(900.0, 600.0));
+        let camera = Camera { eye: glam::Vec3::new(3.0, 2.0, 1.0), ..Camera::default() };
+        for size_px in [[400, 800], [1600, 400], [300, 200]] {
+            let photo = photo(size_px);
+            let place = photo.place(view);
+            let own = photo.camera(&camera, 1.5);
+            let point = glam::Vec3::new(0.3, 0.8, -0.2);
+            let at = |camera: &Camera, aspect: f32, rect: Rect| {
+                let ndc = camera.clip_from_world(aspect).project_point3(point);
+                rect.min + Vec2::new((ndc.x + 1.0) * 0.5 * rect.width(), (1.0 - ndc.y) * 0.5 * rect.height())
+            };
+            let in_view = at(&camera, 1.5, view);
+            let in_photo = at(&own, size_px[0] as f32 / size_px[1] as f32, place);
+            assert!((in_view - in_photo).length() < 0.1, "{size_px:?}: {in_view} {in_photo}");
+        }
+    }
+}

@@ -7,10 +7,11 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::engine::{
-    Energies, Engine, FitTask, ImportChoice, ImportSummary, Made, NetworkCard, Opened, OpenedProject,
-    PopulateTask, RoomRequest, SampleMethod, SampleTask, SampleView, Sampled, Source,
+    Energies, Engine, FitTask, ImportChoice, ImportSummary, Made, NetworkCard, Opened, OpenedProject, Photo,
+    PhotoTask, PopulateTask, RoomRequest, SampleMethod, SampleTask, SampleView, Sampled, Source,
 };
 use super::jobs::is_project_file;
+use super::photos;
 use super::sampling;
 use crate::assets::Budget;
 use crate::assets::Model;
@@ -155,6 +156,15 @@ impl Engine for RealEngine {
         ticker: &Ticker,
     ) -> Result<Picture, Stop> {
         sampling::portrait(room, geometry, person, &self.surface(), ticker)
+    }
+
+    fn open_photo(&self, picture: &Path, keypoints: &Path, ticker: &Ticker) -> Result<Photo, Stop> {
+        ticker.stage("reading", 0)?;
+        photos::open(picture, keypoints)
+    }
+
+    fn fit_photo(&self, task: &PhotoTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop> {
+        photos::fit(task, cx)
     }
 
     fn room_kinds(&self) -> Vec<String> {

@@ -12,14 +12,14 @@ use egui_kittest::kittest::{NodeT, Queryable as _};
 use glam::{Affine3A, Vec3};
 
 use super::engine::{
-    Candidate, Curve, Engine, FitTask, ImportSummary, Made, NetworkCard, Opened, PopulateTask, RoomRequest,
-    SampleMethod, SampleTask, SampleView, Sampled, Source,
+    Candidate, Curve, Engine, FitTask, ImportSummary, Made, NetworkCard, Opened, Photo, PhotoTask,
+    PopulateTask, RoomRequest, SampleMethod, SampleTask, SampleView, Sampled, Source,
 };
 use super::samples::Fate;
 use super::selection::Item;
 use super::state::{EditorState, Leaving, Overlay, Tool};
 use super::window::Window;
-use crate::assets::{Material, Mesh};
+use crate::assets::{Keypoint, KeypointSet, Material, Mesh, PersonKeypoints};
 use crate::body::Body;
 use crate::document::{Command, Project};
 use crate::evolve::PopulatePreview;
@@ -219,6 +219,18 @@ impl Engine for FakeEngine {
         let reports = people.iter().map(|_| measured_mm(1.0)).collect();
         let energies = people.iter().map(|_| vec![("contact".to_owned(), vec![3.0, 2.0, 1.0])]).collect();
         Ok(Made { people, reports, energies, before, shortfall: None })
+    }
+
+    fn open_photo(&self, _: &Path, _: &Path, _: &Ticker) -> Result<Photo, Stop> {
+        let point = Keypoint { pixel: glam::Vec2::new(20.0, 30.0), confidence: 0.9 };
+        let person = PersonKeypoints { set: KeypointSet::Coco17, points: vec![point; 17] };
+        Ok(Photo { picture: grey_picture(), size_px: [80, 80], people: vec![person] })
+    }
+
+    fn fit_photo(&self, task: &PhotoTask, _: &JobCtx<PopulatePreview>) -> Result<Made, Stop> {
+        let person = somebody(task.id);
+        let before = vec![person.body.clone()];
+        Ok(Made { people: vec![person], reports: vec![measured_mm(2.0)], before, ..Made::default() })
     }
 
     fn portrait(&self, _: &Room, _: &RoomGeometry, _: &Person, _: &Ticker) -> Result<Picture, Stop> {
@@ -698,6 +710,20 @@ fn escape_while_something_is_turned_puts_it_back_and_x_deletes_nothing() {
     user.presses(Modifiers::NONE, Key::Escape);
     assert_eq!(sofa(&user), Affine3A::IDENTITY);
     assert!(!user.state().document.can_undo() && user.state().document.scene().room.objects.len() == 2);
+}
+
+#[test]
+fn a_person_of_a_photo_is_found_in_the_room_and_can_be_taken_back() {
+    let mut user = User::opens_the_study();
+    user.state().photo.picture_path = "me.jpg".to_owned();
+    user.state().photo.keypoints_path = "me.json".to_owned();
+    user.state().open_photo();
+    user.waits(|state| state.photo.photo.is_some());
+    user.state().fit_photo();
+    user.waits(|state| !state.jobs.any_running());
+    assert_eq!(user.people(), 1);
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!(user.people(), 0);
 }
 
 #[test]

@@ -220,10 +220,10 @@ impl Window {
 
     /// What the user chose in a dialog; without a dialog on this desktop, a field for the path instead.
     fn poll_dialog(&mut self) {
-        let job = match &mut self.dialog {
-            Some(Dialog::Open(job) | Dialog::Save(job) | Dialog::Export(job) | Dialog::Photo(job, _)) => job,
-            None => return,
-        };
+        let waiting = self.dialog.as_mut().map(|dialog| match dialog {
+            Dialog::Open(job) | Dialog::Save(job) | Dialog::Export(job) | Dialog::Photo(job, _) => job,
+        });
+        let Some(job) = waiting else { return };
         let Some(outcome) = job.poll() else { return };
         let Some(dialog) = self.dialog.take() else { return };
         let state = &mut self.state;
@@ -240,7 +240,9 @@ impl Window {
                 state.photo.picture_path = path.display().to_string();
             }
             (Outcome::Done(None), _) => {}
-            (_, Dialog::Photo(..)) => state.notices.warning("This desktop has no file dialog: type the path."),
+            (_, Dialog::Photo(..)) => {
+                state.notices.warning("This desktop has no file dialog: type the path.");
+            }
             (_, Dialog::Open(_)) => state.overlay = Overlay::OpenPath(String::new()),
             (_, Dialog::Save(_)) => state.overlay = Overlay::SavePath(String::new()),
             (_, Dialog::Export(_)) => state.overlay = Overlay::ExportPath(String::new()),
@@ -363,7 +365,7 @@ fn layout() -> Tree<Pane> {
     let people = tabs(&[Pane::People]);
     let view = tabs(&[Pane::Viewport]);
     let below = tabs(&[Pane::Findings, Pane::Candidates, Pane::Energies, Pane::Jobs]);
-    let populate = tabs(&[Pane::Populate, Pane::Sample, Pane::Photo]);
+    let populate = tabs(&[Pane::Populate, Pane::Sample]);
     let inspector = tabs(&[Pane::Inspector, Pane::Why]);
     let mut column =
         |children: [TileId; 2], shares: [f32; 2]| linear(&mut tiles, LinearDir::Vertical, &children, &shares);

@@ -3,18 +3,20 @@
 use egui::{Button, RichText, ScrollArea, Slider, TextEdit, Ui};
 
 use super::title;
+use crate::app::engine::PhotoMethod;
 use crate::app::jobs::JobKind;
 use crate::app::state::EditorState;
 use crate::app::theme;
-use crate::evolve::EstimatorKind;
 
 /// Draws the panel.
 pub fn photo(ui: &mut Ui, state: &mut EditorState) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.label(
-            RichText::new("Finds a person of a photo in this room. The view has to look as the photo's camera did.")
-                .small()
-                .weak(),
+            RichText::new(
+                "Finds a person of a photo in this room. The view has to look as the photo's camera did.",
+            )
+            .small()
+            .weak(),
         );
         files(ui, state);
         if state.photo.photo.is_some() {
@@ -26,13 +28,13 @@ pub fn photo(ui: &mut Ui, state: &mut EditorState) {
 }
 
 fn files(ui: &mut Ui, state: &mut EditorState) {
-    for (name, hint, keypoints) in [
-        ("Photo", "PNG or JPEG", false),
-        ("Keypoints", "COCO or OpenPose json", true),
-    ] {
+    for (name, hint, keypoints) in
+        [("Photo", "PNG or JPEG", false), ("Keypoints", "COCO or OpenPose json", true)]
+    {
         ui.horizontal(|ui| {
             let label = ui.label(name);
-            let path = if keypoints { &mut state.photo.keypoints_path } else { &mut state.photo.picture_path };
+            let path =
+                if keypoints { &mut state.photo.keypoints_path } else { &mut state.photo.picture_path };
             let width = ui.available_width() - 62.0;
             ui.add(TextEdit::singleline(path).hint_text(hint).desired_width(width)).labelled_by(label.id);
             let browse = ui.button("...").on_hover_text(format!("Choose the {} file", name.to_lowercase()));
@@ -78,19 +80,27 @@ fn over_the_view(ui: &mut Ui, state: &mut EditorState) {
             ui.end_row();
         }
     });
-    ui.label(RichText::new("Turn and move the view until walls and furniture lie on those of the photo.").small().weak());
+    ui.label(
+        RichText::new("Turn and move the view until walls and furniture lie on those of the photo.")
+            .small()
+            .weak(),
+    );
 }
 
 fn estimator(ui: &mut Ui, state: &mut EditorState) {
     title(ui, "How");
     for (kind, label, tip) in [
         (
-            EstimatorKind::SceneAware,
+            PhotoMethod::Scene,
             "Room and what people do here",
             "Keypoints, contact with the room, and poses that the network expects in this view (PSI 4.2).",
         ),
-        (EstimatorKind::Prox, "Room", "Keypoints and contact with the room: no sinking in, no hovering (PROX)."),
-        (EstimatorKind::SmplifyX, "Keypoints alone", "As if there were no room (SMPLify-X)."),
+        (
+            PhotoMethod::Room,
+            "Room",
+            "Keypoints and contact with the room: no sinking in, no hovering (PROX).",
+        ),
+        (PhotoMethod::Keypoints, "Keypoints alone", "As if there were no room (SMPLify-X)."),
     ] {
         ui.radio_value(&mut state.photo.estimator, kind, label).on_hover_text(tip);
     }
@@ -111,7 +121,11 @@ fn button(ui: &mut Ui, state: &mut EditorState) {
     let button = Button::new(text).fill(palette.accent);
     let response = ui.add_enabled_ui(ready, |ui| ui.add_sized(size, button)).inner;
     let why_not = "Needs a room that is analysed and somebody with keypoints.";
-    if response.on_hover_text("Finds the body and puts it into the room.").on_disabled_hover_text(why_not).clicked() {
+    if response
+        .on_hover_text("Finds the body and puts it into the room.")
+        .on_disabled_hover_text(why_not)
+        .clicked()
+    {
         state.fit_photo();
     }
 }
