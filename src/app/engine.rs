@@ -407,7 +407,7 @@ pub trait Engine: Send + Sync + 'static {
     /// Why it can't be drawn; or cancelled.
     fn overview(&self, room: &Arc<Room>, ticker: &Ticker) -> Result<Picture, Stop>;
     /// The bundled networks.
-    fn networks(&self) -> Vec<NetworkCard>;
+    fn networks(&self) -> Arc<[NetworkCard]>;
     /// Measures one body.
     ///
     /// # Errors

@@ -76,6 +76,8 @@ struct Populating {
     replacing: Vec<PersonId>,
     /// Set when candidates of the contact sheet are being fitted.
     source: Option<samples::Source>,
+    /// The user has cancelled; whoever is there by now comes in a moment.
+    stopping: bool,
 }
 
 struct Measuring {
@@ -283,7 +285,7 @@ impl EditorState {
             Ok(all)
         };
         let job = Job::spawn(name, seed, self.waker(), work);
-        self.jobs.populate = Some(Populating { job, version, replacing, source: None });
+        self.jobs.populate = Some(Populating { job, version, replacing, source: None, stopping: false });
     }
 
     /// Starts to fit people from where they are: candidates, or people of the document (`replacing`).
@@ -298,7 +300,7 @@ impl EditorState {
         let work = move |cx: &crate::job::JobCtx<PopulatePreview>| engine.fit(&task, cx);
         let job = Job::spawn(name, Seed::root(self.populate.seed), self.waker(), work);
         let version = self.document.room_version();
-        self.jobs.populate = Some(Populating { job, version, replacing, source });
+        self.jobs.populate = Some(Populating { job, version, replacing, source, stopping: false });
     }
 
     /// Starts to make people by `work`.
@@ -310,7 +312,8 @@ impl EditorState {
     ) {
         let job = Job::spawn(name, Seed::root(self.populate.seed), self.waker(), work);
         let version = self.document.room_version();
-        self.jobs.populate = Some(Populating { job, version, replacing: Vec::new(), source: Some(source) });
+        self.jobs.populate =
+            Some(Populating { job, version, replacing: Vec::new(), source: Some(source), stopping: false });
     }
 
     /// One task for each person who is to become somebody else at about the same place.
@@ -400,12 +403,15 @@ impl EditorState {
                 self.jobs.wanted = None;
             }
             JobKind::Populate => {
+                self.ghosts.clear();
+                if self.stop_and_keep() {
+                    return;
+                }
                 let populating = self.jobs.populate.take();
                 if let Some(source) = populating.and_then(|p| p.source) {
                     self.settle_cards(&source.cards, Fate::Open);
                 }
                 self.jobs.wanted = None;
-                self.ghosts.clear();
             }
             JobKind::Measure => self.jobs.measure = None,
             JobKind::Sample => {
@@ -418,6 +424,18 @@ impl EditorState {
             JobKind::Photo => self.jobs.photo = None,
         }
         self.notices.info("Cancelled. Nothing was changed.");
+    }
+
+    /// Tells a job that makes new people to stop with those that are there; a second time it is let go of.
+    fn stop_and_keep(&mut self) -> bool {
+        let Some(populating) = &mut self.jobs.populate else { return false };
+        let keeps = populating.replacing.is_empty() && populating.source.is_none() && !populating.stopping;
+        if keeps {
+            populating.stopping = true;
+            populating.job.cancel();
+            self.jobs.wanted = None;
+        }
+        keeps
     }
 
     /// Lets go of every job.
@@ -458,7 +476,11 @@ impl EditorState {
 
     pub(super) fn show_opened(&mut self, opened: Opened) {
         let summary = opened.summary;
-        if let Source::File(path, _) = &summary.source {
+        let recovered =
+            matches!(&summary.source, Source::File(path, _) if Some(path) == self.autosave.as_ref());
+        if let Source::File(path, _) = &summary.source
+            && !recovered
+        {
             self.remember_recent(path.clone());
         }
         match opened.project {
@@ -466,7 +488,7 @@ impl EditorState {
                 let mut document = Document::new(opened.scene);
                 document.reserve_ids(project.next_person, project.next_object);
                 self.exchange_document(document);
-                self.project = Some(project.path);
+                self.project = (!recovered).then_some(project.path);
             }
             None if self.has_room() => {
                 self.apply(Command::OpenRoom { room: opened.scene.room });
@@ -541,7 +563,7 @@ impl EditorState {
 
     fn poll_populate(&mut self) {
         let Some(populating) = &mut self.jobs.populate else { return };
-        if let Some(preview) = populating.job.take_preview() {
+        if let Some(preview) = populating.job.take_preview().filter(|_| !populating.stopping) {
             self.ghosts = preview.people;
         }
         let Some(outcome) = populating.job.poll() else { return };

@@ -5,6 +5,7 @@
 //! there. `Window` only draws it and hands on what the user does.
 
 mod actions;
+mod autosave;
 mod canvas;
 mod commands;
 mod dialog;
@@ -12,6 +13,7 @@ mod engine;
 mod frames;
 mod icons;
 mod jobs;
+mod networks;
 mod notices;
 mod orbit;
 mod overlay3d;
@@ -43,6 +45,7 @@ pub use screenshot::ScreenshotPlan;
 pub use state::EditorState;
 
 use crate::document::Settings;
+use crate::document::autosave_path;
 use real::RealEngine;
 use window::Window;
 
@@ -94,6 +97,7 @@ pub fn run(options: AppOptions) -> anyhow::Result<Option<FrameTimes>> {
         let mut window = Window::new(cc, Arc::new(RealEngine)).with_script(script).keeping_times(kept);
         if !photographs {
             window.remember(Settings::default_path());
+            window.keep_safe(autosave_path());
         }
         window.state.open(source);
         Ok(Box::new(window))

@@ -11,6 +11,7 @@ use super::engine::{
     PhotoTask, PopulateTask, RoomRequest, SampleMethod, SampleTask, SampleView, Sampled, Source,
 };
 use super::jobs::is_project_file;
+use super::networks;
 use super::photos;
 use super::sampling;
 use crate::assets::Budget;
@@ -25,6 +26,7 @@ use crate::document::load_project;
 use crate::document::save_project;
 use crate::document::write_folder;
 use crate::evolve;
+use crate::evolve::OnCancel;
 use crate::evolve::PopulatePreview;
 use crate::evolve::PopulateRequest;
 use crate::evolve::PopulatedPerson;
@@ -109,6 +111,7 @@ impl Engine for RealEngine {
             families: task.families.clone(),
             existing: task.existing.clone(),
             next_id: task.next_id,
+            on_cancel: OnCancel::KeepBest,
             ..PopulateRequest::default()
         };
         let populated = evolve::populate(&task.room, &task.geometry, &request, cx)?;
@@ -196,8 +199,8 @@ impl Engine for RealEngine {
         Ok(picture(&draw, &camera, OVERVIEW, Backend::Auto)?)
     }
 
-    fn networks(&self) -> Vec<NetworkCard> {
-        Vec::new()
+    fn networks(&self) -> Arc<[NetworkCard]> {
+        networks::cards()
     }
 
     fn measure(

@@ -79,6 +79,8 @@ pub enum Overlay {
     Rename(Item, String),
     /// Export by typing a folder.
     ExportPath(String),
+    /// Offers the work of a session that did not end on purpose.
+    Recover(PathBuf),
     /// Asks before unsaved changes are lost.
     Unsaved(Leaving),
     /// A room that the program makes.
@@ -220,6 +222,8 @@ pub struct EditorState {
     pub import: Option<ImportSummary>,
     /// The file that *Save* writes.
     pub project: Option<PathBuf>,
+    /// Where unsaved work is kept against crashes: never the user's project.
+    pub autosave: Option<PathBuf>,
     /// Files opened lately, the newest first.
     pub recent: Vec<PathBuf>,
     /// People as the running job has them so far.
@@ -265,6 +269,7 @@ impl EditorState {
             overlay: Overlay::default(),
             import: None,
             project: None,
+            autosave: None,
             recent: Vec::new(),
             ghosts: Vec::new(),
             sheet: Sheet::default(),

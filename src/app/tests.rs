@@ -11,6 +11,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable as _};
 use glam::{Affine3A, Vec3};
 
+use super::autosave::Autosave;
 use super::engine::{
     Candidate, Curve, Engine, FitTask, ImportSummary, Made, NetworkCard, Opened, Photo, PhotoTask,
     PopulateTask, RoomRequest, SampleMethod, SampleTask, SampleView, Sampled, Source,
@@ -40,6 +41,8 @@ enum Making {
     Quick,
     /// On and on, until cancelled.
     Endless,
+    /// On and on; when cancelled, the first one is there.
+    FirstThenEndless,
     /// With a fault of the program.
     Breaks,
 }
@@ -47,6 +50,8 @@ enum Making {
 #[derive(Default)]
 struct FakeEngine {
     making: Mutex<Making>,
+    /// Files that were saved, with the number of people in each.
+    saved: Mutex<Vec<(PathBuf, usize)>>,
 }
 
 fn somebody(id: u32) -> Person {
@@ -135,7 +140,8 @@ impl Engine for FakeEngine {
         Ok(Opened { scene: Scene { room: Arc::new(room), people: Vec::new() }, summary, project: None })
     }
 
-    fn save(&self, _: &Path, _: &Project, _: &Ticker) -> Result<(), Stop> {
+    fn save(&self, path: &Path, project: &Project, _: &Ticker) -> Result<(), Stop> {
+        self.saved.lock().unwrap().push((path.to_owned(), project.scene.people.len()));
         Ok(())
     }
 
@@ -163,6 +169,14 @@ impl Engine for FakeEngine {
             Making::Quick => {
                 let reports = people.iter().map(|_| measured_mm(12.0)).collect();
                 Ok(Made { people, reports, ..Made::default() })
+            }
+            Making::FirstThenEndless => {
+                while cx.step(0, 0).is_ok() {
+                    cx.preview(PopulatePreview { people: people.clone() });
+                    std::thread::sleep(Duration::from_millis(2));
+                }
+                let shortfall = Some("1 of 3 people: stopped".to_owned());
+                Ok(Made { people: people[..1].to_vec(), shortfall, ..Made::default() })
             }
             Making::Breaks => panic!("index 7 is out of range"),
             Making::Endless => loop {
@@ -254,11 +268,11 @@ impl Engine for FakeEngine {
         Ok(grey_picture())
     }
 
-    fn networks(&self) -> Vec<NetworkCard> {
+    fn networks(&self) -> Arc<[NetworkCard]> {
         let curves =
             vec![Curve { name: "total".to_owned(), points: vec![[0.0, 4.0], [1.0, 2.0], [2.0, 1.0]] }];
         let text = "# Data\n- a hut\n\n| figure | value |\n|---|---|\n| error | 3 |\nTrained in no time.";
-        vec![NetworkCard { name: "S1".to_owned(), text: text.to_owned(), curves }]
+        vec![NetworkCard { name: "S1".to_owned(), text: text.to_owned(), curves }].into()
     }
 
     fn measure(&self, _: &RoomGeometry, _: &BodyParams, _: &Ticker) -> Result<BodyReport, Stop> {
@@ -394,6 +408,20 @@ fn cancel_takes_effect_within_200_ms_and_changes_nothing() {
     }
     assert!(begun.elapsed() < Duration::from_millis(200), "{:?}", begun.elapsed());
     assert!(user.state().ghosts.is_empty() && user.people() == 0 && !user.state().document.can_undo());
+}
+
+#[test]
+fn cancel_keeps_who_is_there_as_a_step_that_can_be_undone() {
+    let mut user = User::opens_the_study();
+    *user.engine.making.lock().unwrap() = Making::FirstThenEndless;
+    user.presses(Modifiers::COMMAND, Key::Enter);
+    user.waits(|state| !state.ghosts.is_empty());
+    user.harness.get_by_label("Cancel").click();
+    user.waits(|state| !state.jobs.populating());
+    assert_eq!(user.people(), 1);
+    assert!(user.state().ghosts.is_empty());
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!(user.people(), 0);
 }
 
 #[test]
@@ -567,6 +595,30 @@ fn what_was_measured_while_people_were_made_is_kept() {
     user.populates(2);
     let measured = user.state().measured(PersonId(1)).expect("measured by the job itself");
     assert_eq!(measured.report.metrics.penetration_max_mm, 12.0);
+}
+
+#[test]
+fn unsaved_people_are_kept_against_a_crash_once_for_each_change() {
+    let mut user = User::opens_the_study();
+    let mut autosave = Autosave::new(PathBuf::from("kept.inhabit")).with_interval(Duration::ZERO);
+    let mut keeps = |user: &mut User| {
+        for _ in 0..20 {
+            autosave.keep(user.state());
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    };
+    keeps(&mut user);
+    assert!(user.engine.saved.lock().unwrap().is_empty(), "there is nobody to lose");
+    user.populates(2);
+    keeps(&mut user);
+    user.populates(1);
+    keeps(&mut user);
+    let kept = PathBuf::from("kept.inhabit");
+    assert_eq!(*user.engine.saved.lock().unwrap(), [(kept.clone(), 2), (kept, 3)]);
+    assert!(
+        user.state().project.is_none() && user.state().document.is_dirty(),
+        "it is no save of the user's"
+    );
 }
 
 #[test]
@@ -781,6 +833,8 @@ fn every_page_has_names_for_its_widgets_and_letters_that_can_be_read() {
         Overlay::Rename(Item::Person(PersonId(0)), "Ada".to_owned()),
         Overlay::Unsaved(Leaving::Quit),
         Overlay::NewRoom,
+        Overlay::ExportPath(String::new()),
+        Overlay::Recover(PathBuf::from("kept.inhabit")),
         Overlay::Networks(0),
     ];
     for dark in [true, false] {

@@ -11,6 +11,7 @@ use egui_tiles::{
 };
 
 use super::actions;
+use super::autosave::Autosave;
 use super::canvas::Canvas;
 use super::commands;
 use super::engine::Engine;
@@ -21,6 +22,7 @@ use super::state::{EditorState, Overlay};
 use super::theme;
 use super::viewport;
 use crate::document::Settings;
+use crate::document::is_leftover;
 use crate::job::{Job, Outcome, Seed};
 
 /// Jobs report hundreds of steps a second; a frame for each would take the processor from them.
@@ -58,6 +60,7 @@ pub struct Window {
     leaving: bool,
     title: String,
     settings: Option<Remembered>,
+    autosave: Option<Autosave>,
     clock: FrameClock,
     times: Option<Arc<Mutex<FrameTimes>>>,
 }
@@ -102,6 +105,7 @@ impl Window {
             leaving: false,
             title: String::new(),
             settings: None,
+            autosave: None,
             clock: FrameClock::default(),
             times: None,
         }
@@ -120,6 +124,16 @@ impl Window {
         self.state.recent.clone_from(&kept.recent);
         self.state.view.dark = !kept.light;
         self.settings = Some(Remembered { path, kept, keeping: None });
+    }
+
+    /// Keeps unsaved people in `path` against crashes; offers what an earlier session left there.
+    pub fn keep_safe(&mut self, path: Option<PathBuf>) {
+        let Some(path) = path else { return };
+        if is_leftover(&path) {
+            self.state.overlay = Overlay::Recover(path.clone());
+        }
+        self.state.autosave = Some(path.clone());
+        self.autosave = Some(Autosave::new(path));
     }
 
     /// Writes the settings beside the window when they have changed.
@@ -274,6 +288,9 @@ impl eframe::App for Window {
         self.state.poll();
         self.poll_dialog();
         self.keep_settings();
+        if let Some(next) = self.autosave.as_mut().and_then(|autosave| autosave.keep(&mut self.state)) {
+            ctx.request_repaint_after(next);
+        }
         self.show_title(ctx);
         let passed = Duration::from_secs_f32(ctx.input(|i| i.unstable_dt).min(1.0));
         if let Some(next) = self.state.notices.advance(passed) {
@@ -308,6 +325,9 @@ impl eframe::App for Window {
     }
 
     fn on_exit(&mut self) {
+        if let Some(autosave) = &mut self.autosave {
+            autosave.discard();
+        }
         if let Some(times) = &self.times {
             *times.lock().unwrap_or_else(PoisonError::into_inner) = self.clock.times().clone();
         }

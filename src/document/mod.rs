@@ -19,4 +19,4 @@ pub use command::{Command, Refused};
 pub use files::{LoadedProject, ProjectError, load_project, save_project, write_folder};
 pub use history::Document;
 pub use project::{Project, WriteProblem};
-pub use settings::Settings;
+pub use settings::{Settings, autosave_path, is_leftover, remove_leftover};

@@ -6,5 +6,5 @@ mod choose;
 mod populate;
 mod refine;
 
-pub use populate::{PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};
+pub use populate::{OnCancel, PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};
 pub use refine::{RefinePreview, RefineRequest, Refined, refine};

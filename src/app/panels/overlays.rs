@@ -27,6 +27,7 @@ pub fn overlays(ctx: &Context, state: &mut EditorState) {
         Overlay::History => window(ctx, state, "History", 300.0, history),
         Overlay::Notifications => window(ctx, state, "Notifications", 460.0, notifications),
         Overlay::Rename(item, text) => rename(ctx, state, item, text),
+        Overlay::Recover(path) => recover(ctx, state, &path),
         Overlay::Unsaved(leaving) => unsaved(ctx, state, &leaving),
         Overlay::NewRoom => window(ctx, state, "New room", 520.0, super::new_room::new_room),
         Overlay::Networks(number) => window(ctx, state, "Networks", 620.0, |ui, state| {
@@ -305,6 +306,28 @@ fn rename(ctx: &Context, state: &mut EditorState, item: Item, mut text: String) 
         state.overlay = Overlay::None;
     } else {
         state.overlay = Overlay::Rename(item, text);
+    }
+}
+
+fn recover(ctx: &Context, state: &mut EditorState, path: &PathBuf) {
+    let response = Modal::new(Id::unique("recover")).show(ctx, |ui| {
+        ui.set_width(380.0);
+        ui.heading("The last session did not end on purpose");
+        ui.label("Its people were kept. They come back as they were a minute before; save them under a name of yours.");
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button("Recover").clicked() {
+                state.overlay = Overlay::None;
+                state.open_now(Source::File(path.clone(), ImportChoice::default()));
+            }
+            if ui.button("Not needed").clicked() {
+                state.overlay = Overlay::None;
+                crate::document::remove_leftover(path);
+            }
+        });
+    });
+    if response.should_close() {
+        state.overlay = Overlay::None;
     }
 }
 
