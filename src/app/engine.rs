@@ -268,7 +268,7 @@ pub struct PhotoTask {
     /// The person in it.
     pub keypoints: PersonKeypoints,
     /// How it is found.
-    pub estimator: PhotoMethod,
+    pub method: PhotoMethod,
     /// Number of the new person.
     pub id: u32,
 }

@@ -26,7 +26,7 @@ pub struct PhotoPanel {
     /// How much of the photo is seen over the room.
     pub opacity: f32,
     /// How the person is found.
-    pub estimator: PhotoMethod,
+    pub method: PhotoMethod,
 }
 
 impl Default for PhotoPanel {
@@ -37,7 +37,7 @@ impl Default for PhotoPanel {
             photo: None,
             person: 0,
             opacity: 0.5,
-            estimator: PhotoMethod::Scene,
+            method: PhotoMethod::Scene,
         }
     }
 }
@@ -116,7 +116,7 @@ impl EditorState {
             camera: photo.camera(&self.orbit.camera(), self.aspect),
             size_px: photo.size_px,
             keypoints,
-            estimator: self.photo.estimator,
+            method: self.photo.method,
             id: self.document.next_person(),
         };
         let source = Source { method: super::engine::SampleMethod::Photo, seen: None, cards: Vec::new() };

@@ -102,7 +102,7 @@ fn estimator(ui: &mut Ui, state: &mut EditorState) {
         ),
         (PhotoMethod::Keypoints, "Keypoints alone", "As if there were no room (SMPLify-X)."),
     ] {
-        ui.radio_value(&mut state.photo.estimator, kind, label).on_hover_text(tip);
+        ui.radio_value(&mut state.photo.method, kind, label).on_hover_text(tip);
     }
 }
 

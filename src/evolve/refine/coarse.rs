@@ -161,7 +161,7 @@ impl<'a> Coarse<'a> {
         let mut params = sample.clone();
         let joints = self.shaper.joints(&params);
         let pelvis = joints[j::PELVIS];
-        let below = self.geometry.bvh.cast(pelvis, Vec3::NEG_Y, 4.0).map_or(f32::INFINITY, |h| h.distance_m);
+        let below = super::height_over_m(self.geometry, pelvis);
         let posture = Posture::of(&joints, &params.rotation());
         let family = posture.family(below);
         let turn = repair(family, &joints, &params.rotation());

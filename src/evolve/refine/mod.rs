@@ -17,7 +17,9 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use self::coarse::{Coarse, Reach, Start};
+use self::guess::Posture;
 use self::shape::Shaper;
+use crate::body::joints::PELVIS;
 use crate::body::{Body, Workspace};
 use crate::fit::{FitConfig, FitPreset, Fitted, Fitter, Objective, Surroundings, Trace};
 use crate::generate::{Place, all_places};
@@ -265,6 +267,20 @@ impl<'a> Refiner<'a> {
         self.body.forward_joints(params, &mut workspace);
         workspace.joints()[0]
     }
+}
+
+/// What a body seems to do, from its posture and its height above what lies below it. Seats and walls are not looked
+/// at: everybody who sits with bent knees sits on a chair, and everybody upright stands.
+pub fn family_of(geometry: &RoomGeometry, body: &Body, params: &BodyParams) -> PoseFamily {
+    let mut workspace = Workspace::default();
+    body.forward_joints(params, &mut workspace);
+    let joints = workspace.joints();
+    Posture::of(joints, &params.rotation()).family(height_over_m(geometry, joints[PELVIS]))
+}
+
+/// From a point down to the first surface below it, metres; infinite where nothing is.
+fn height_over_m(geometry: &RoomGeometry, point: Vec3) -> f32 {
+    geometry.bvh.cast(point, Vec3::NEG_Y, 4.0).map_or(f32::INFINITY, |hit| hit.distance_m)
 }
 
 fn is_finite(sample: &BodyParams) -> bool {
