@@ -22,6 +22,7 @@ mod read;
 mod samples;
 mod triangulate;
 mod uri;
+mod weights;
 mod write_glb;
 
 pub use budget::Budget;
@@ -32,4 +33,5 @@ pub use hash::{ContentHasher, NumberHasher, NumberMap, content_hash};
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
 pub use read::{read_model, read_model_bytes};
 pub use samples::{SampleRoom, sample_rooms};
+pub use weights::{Precision, WeightTensor, Weights, WeightsError};
 pub use write_glb::{GlbWriteError, SkinJoint, SkinnedMesh, glb_from_model, glb_from_skinned};

@@ -1,0 +1,25 @@
+//! Trains the networks of PSI on a corpus of people in rooms (PSI §3.2.2, §3.4, §4.1.2).
+//!
+//! Pure: takes and gives numbers and bytes; whoever calls reads and writes the files. The same corpus,
+//! configuration and seed give the same bytes, whatever the number of threads, and a resumed run goes on
+//! to the bit.
+
+mod adversary;
+mod checkpoint;
+mod config;
+mod data;
+mod history;
+mod kmeans;
+mod loss;
+mod scene_loss;
+#[cfg(test)]
+mod tests;
+mod train;
+
+pub use checkpoint::{TrainError, TrainingState};
+pub use config::{Annealing, LossPreset, LossWeights, PsiTraining, RateSchedule};
+pub use data::{Augment, Item, PsiBody, PsiData, PsiView, mirrored_pose, scene_input};
+pub use history::{History, HistoryRow};
+pub use kmeans::{KMeans, kmeans};
+pub use scene_loss::{SceneLoss, SceneLossValue};
+pub use train::{Split, TrainingInput, evaluate_reconstruction, reconstruction_error, train};
