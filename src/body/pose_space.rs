@@ -9,14 +9,31 @@ use super::joints::BODY_JOINTS;
 /// Axis-angle vectors of SMPL-X's body joints 1 to 21, radians, each in its parent's frame.
 pub type BodyPose = [Vec3; BODY_JOINTS];
 
+/// What a pose space remembers of a decoding for its gradient; scratch memory that is reused.
+#[derive(Clone, Debug, Default)]
+pub struct PoseTape(pub(super) Vec<f32>);
+
 /// A map from a 32-number code of unit variance to a body pose, and its gradient. The fitter knows nothing
 /// else about poses, so the Gaussian of today and a learned prior are exchangeable.
 pub trait PoseSpace: Send + Sync {
+    /// The pose of a code; `tape` keeps what [`PoseSpace::pull_back_taped`] needs.
+    fn decode_taped(&self, code: &[f32; POSE], tape: &mut PoseTape) -> BodyPose;
+
+    /// Gradient of `f(decode(code))` with respect to the code, given `gradient = df/dpose` and the tape of the
+    /// decoding of the same code.
+    fn pull_back_taped(&self, code: &[f32; POSE], tape: &PoseTape, gradient: &BodyPose) -> [f32; POSE];
+
     /// The pose of a code.
-    fn decode(&self, code: &[f32; POSE]) -> BodyPose;
+    fn decode(&self, code: &[f32; POSE]) -> BodyPose {
+        self.decode_taped(code, &mut PoseTape::default())
+    }
 
     /// Gradient of `f(decode(code))` with respect to the code, given `gradient = df/dpose`.
-    fn pull_back(&self, code: &[f32; POSE], gradient: &BodyPose) -> [f32; POSE];
+    fn pull_back(&self, code: &[f32; POSE], gradient: &BodyPose) -> [f32; POSE] {
+        let mut tape = PoseTape::default();
+        self.decode_taped(code, &mut tape);
+        self.pull_back_taped(code, &tape, gradient)
+    }
 
     /// The code whose pose is nearest to `pose`.
     fn encode(&self, pose: &BodyPose) -> [f32; POSE];
@@ -47,7 +64,7 @@ impl PoseGaussian {
 }
 
 impl PoseSpace for PoseGaussian {
-    fn decode(&self, code: &[f32; POSE]) -> BodyPose {
+    fn decode_taped(&self, code: &[f32; POSE], _tape: &mut PoseTape) -> BodyPose {
         let mut pose = self.mean;
         for (direction, z) in self.directions.iter().zip(code) {
             for (angle, step) in pose.iter_mut().zip(direction) {
@@ -57,7 +74,7 @@ impl PoseSpace for PoseGaussian {
         pose
     }
 
-    fn pull_back(&self, _code: &[f32; POSE], gradient: &BodyPose) -> [f32; POSE] {
+    fn pull_back_taped(&self, _code: &[f32; POSE], _tape: &PoseTape, gradient: &BodyPose) -> [f32; POSE] {
         std::array::from_fn(|i| dot(&self.directions[i], gradient))
     }
 

@@ -10,7 +10,7 @@ use super::hand_space::HandSpace;
 use super::joints::JOINTS;
 use super::model::BodyModel;
 use super::parts::BodyParts;
-use super::pose_space::{PoseSpace, PoseStatistics};
+use super::pose_space::{BodyPose, PoseSpace, PoseStatistics};
 use super::regions::ContactRegions;
 use super::subset::VertexSubset;
 use super::workspace::Workspace;
@@ -79,6 +79,14 @@ impl Body {
     pub fn pose(&self, params: &BodyParams) -> Posed {
         let mut workspace = Workspace::default();
         self.forward(params, &self.all, &mut workspace);
+        let (vertices, joints, rotations) = workspace.into_parts();
+        Posed { vertices, joints, rotations }
+    }
+
+    /// Poses the whole body with these axis-angles of the body joints in place of the pose code.
+    pub fn pose_axis_angles(&self, params: &BodyParams, pose: &BodyPose) -> Posed {
+        let mut workspace = Workspace::default();
+        self.forward_posed(params, pose, &self.all, &mut workspace);
         let (vertices, joints, rotations) = workspace.into_parts();
         Posed { vertices, joints, rotations }
     }

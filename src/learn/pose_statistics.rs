@@ -4,17 +4,17 @@
 
 use glam::Vec3;
 
+use super::pose_corpus::random_hints;
 use crate::assets::PoseClip;
 use crate::body::joints::{self, BODY_JOINTS, LEFT_HAND, RIGHT_HAND};
 use crate::body::{
     Body, BodyPose, FamilyHints, HAND_CODE, HAND_JOINTS, HandShape, HandSpace, PoseGaussian, PoseStatistics,
     sample_pose,
 };
-use crate::job::{Rng, Seed};
+use crate::job::Seed;
 use crate::math::symmetric_eigen;
 use crate::scene::{POSE, PoseFamily};
 
-use rand::RngExt as _;
 
 /// Poses drawn of each family.
 const SAMPLES_A_FAMILY: usize = 1500;
@@ -48,23 +48,6 @@ pub fn fit_pose_gaussian(clips: &[PoseClip], seed: Seed) -> PoseGaussian {
     }
     let (mean, directions) = corpus.principal_directions(POSE);
     PoseGaussian { mean: joints_of(&mean), directions: directions.iter().map(|d| joints_of(d)).collect() }
-}
-
-/// The spread of places that people find, so that the space holds the poses of all of them.
-fn random_hints(family: PoseFamily, rng: &mut Rng) -> FamilyHints {
-    let mut maybe = |low: f32, high: f32, often: f32| {
-        let (value, said) = (rng.random_range(low..high), rng.random_range(0.0..1.0) < often);
-        said.then_some(value)
-    };
-    let seated = family.group() == "sit";
-    let (low, high) = if family == PoseFamily::SitStool { (0.5, 0.8) } else { (0.32, 0.6) };
-    FamilyHints {
-        seat_height_m: maybe(low, high, 0.8),
-        armrest_above_seat_m: maybe(0.15, 0.27, 0.25),
-        table_height_m: maybe(0.65, 1.0, if seated { 0.0 } else { 0.3 })
-            .or_else(|| maybe(0.66, 0.78, if seated { 0.2 } else { 0.0 })),
-        ..FamilyHints::default()
-    }
 }
 
 /// Fits the hand space: principal components of the clips' hands (right ones mirrored) and of relaxed, resting,

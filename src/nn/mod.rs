@@ -9,9 +9,11 @@ mod adam;
 mod graph;
 mod layers;
 mod params;
+mod pose_vae;
 pub mod psi;
 
 pub use adam::NetworkAdam;
 pub use graph::{Graph, Mode, cpu_device, numbers, tensor, training_device};
 pub use layers::{BasicBlock, BatchNorm, Conv, ConvShape, LEAKY_SLOPE, Linear, ResBlock, ResPair, max_pool};
 pub use params::{Declaration, Entry, Init, ParamId, Params, Role};
+pub use pose_vae::{PoseVae, VAE_CODE, VAE_POSE, VAE_SIX, VAE_SLOPE, VaeBatch, VaeCodes, VaeGradient};
