@@ -1,12 +1,14 @@
-//! Rotations (6-D, axis-angle), Adam, boxes and small statistics. Knows nothing else of the crate.
+//! Rotations (6-D, axis-angle), Adam, boxes, clusters and small statistics. Knows nothing else of the crate.
 //!
 //! May not name any other module, read files or hold domain types. Names carry frame and unit.
 
 mod aabb;
 mod adam;
 mod eigen;
+mod kmeans;
 pub mod rotation;
 
 pub use aabb::Aabb;
 pub use adam::{Adam, AdamConfig};
 pub use eigen::symmetric_eigen;
+pub use kmeans::{KMeans, KMeansConfig, kmeans};

@@ -4,6 +4,8 @@
 //! builder ends with a poor tree, so every box is grown by a seeded random amount below
 //! [`MAX_JITTER_M`] first. Boxes only ever grow: no hit is lost and none moves.
 
+mod packet;
+
 use std::ops::ControlFlow;
 use std::time::Duration;
 
@@ -15,6 +17,8 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+pub use packet::{PACKET, PacketCaster, PacketHits};
 
 /// Progress of a long function: called at least every 50 ms with `(done, total)`; `Break` stops it.
 pub type Step<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);

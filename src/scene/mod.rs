@@ -19,7 +19,9 @@ mod person;
 mod room;
 mod support;
 
-pub use bvh::{Closest, Hit, Step, Stopped, TriangleBvh, closest_on_triangle};
+pub use bvh::{
+    Closest, Hit, PACKET, PacketCaster, PacketHits, Step, Stopped, TriangleBvh, closest_on_triangle,
+};
 pub use camera::Camera;
 pub use category::Category;
 pub use export::model_from_room;
