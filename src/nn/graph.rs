@@ -1,6 +1,6 @@
 //! A network's numbers put into the framework for one forward pass, and their gradients read back.
 
-use std::cell::RefCell;
+use std::sync::{Mutex, PoisonError};
 
 use burn::tensor::{Device, Gradients, Tensor, TensorData};
 
@@ -24,7 +24,7 @@ pub struct Graph {
     mode: Mode,
     leaves: Vec<Tensor<1>>,
     shapes: Vec<Vec<usize>>,
-    statistics: RefCell<Vec<(ParamId, Tensor<1>)>>,
+    statistics: Mutex<Vec<(ParamId, Tensor<1>)>>,
 }
 
 /// A device that computes on this machine's processor.
@@ -70,7 +70,7 @@ impl Graph {
         Self {
             leaves: params.entries().iter().map(leaf).collect(),
             shapes: params.entries().iter().map(|e| e.shape.clone()).collect(),
-            statistics: RefCell::default(),
+            statistics: Mutex::default(),
             device,
             mode,
         }
@@ -94,7 +94,7 @@ impl Graph {
 
     /// Notes the new value of a running statistic.
     pub fn note_statistic(&self, id: ParamId, value: Tensor<1>) {
-        self.statistics.borrow_mut().push((id, value));
+        self.statistics.lock().unwrap_or_else(PoisonError::into_inner).push((id, value));
     }
 
     /// The gradient of every array; zero for what the loss does not depend on.
@@ -108,6 +108,6 @@ impl Graph {
 
     /// The running statistics that the forward pass changed.
     pub fn statistics(&self) -> Vec<(ParamId, Vec<f32>)> {
-        self.statistics.borrow().iter().map(|(id, value)| (*id, numbers(value))).collect()
+        self.statistics.lock().unwrap_or_else(PoisonError::into_inner).iter().map(|(id, value)| (*id, numbers(value))).collect()
     }
 }

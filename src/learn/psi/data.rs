@@ -4,10 +4,10 @@ use glam::{Affine3A, Mat3, Vec3};
 use rand::RngExt as _;
 use rayon::prelude::*;
 
-use crate::body::joints::{BODY_JOINTS, mirror, mirror_axis_angle};
 use crate::body::{Body, BodyModel, BodyPose};
 use crate::generate::sensor::{SIDE, Valid, View};
 use crate::job::Seed;
+use crate::learn::mirrored;
 use crate::nn::psi::{BODY, CLIP_M, SceneInput, ValidArea};
 use crate::scene::{BodyParams, HANDS, POSE};
 
@@ -87,16 +87,9 @@ impl PsiBody {
     pub fn new(room: usize, mut params: BodyParams, pose: &BodyPose, views: Vec<usize>) -> Self {
         let space = &Body::bundled().pose_space;
         params.pose = space.encode(pose);
-        Self { room, params, mirrored_pose: space.encode(&mirrored_pose(pose)), views }
+        Self { room, params, mirrored_pose: space.encode(&mirrored(pose)), views }
     }
 }
-
-/// A body pose with left and right exchanged.
-pub fn mirrored_pose(pose: &BodyPose) -> BodyPose {
-    std::array::from_fn(|i| mirror_axis_angle(pose[mirror(i + 1) - 1]))
-}
-
-const _: () = assert!(BODY_JOINTS == 21);
 
 impl PsiData {
     /// Leaves out pictures in which a body does not lie between camera and largest depth (the published code

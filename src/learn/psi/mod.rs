@@ -9,7 +9,6 @@ mod checkpoint;
 mod config;
 mod data;
 mod history;
-mod kmeans;
 mod loss;
 mod scene_loss;
 #[cfg(test)]
@@ -18,8 +17,7 @@ mod train;
 
 pub use checkpoint::{TrainError, TrainingState};
 pub use config::{Annealing, LossPreset, LossWeights, PsiTraining, RateSchedule};
-pub use data::{Augment, Item, PsiBody, PsiData, PsiView, mirrored_pose, scene_input};
+pub use data::{Augment, Item, PsiBody, PsiData, PsiView, scene_input};
 pub use history::{History, HistoryRow};
-pub use kmeans::{KMeans, kmeans};
 pub use scene_loss::{SceneLoss, SceneLossValue};
 pub use train::{Split, TrainingInput, evaluate_reconstruction, reconstruction_error, train};

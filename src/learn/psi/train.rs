@@ -8,19 +8,19 @@ use super::adversary::Projector;
 use super::checkpoint::{TrainError, TrainingState};
 use super::data::{Augment, Item, PsiBody, PsiData};
 use super::history::HistoryRow;
-use super::kmeans::kmeans;
 use super::loss::{self, Target};
 use super::scene_loss::SceneLoss;
 use crate::body::{Body, Workspace};
 use crate::job::{JobCtx, Seed, Stop};
-use crate::nn::psi::{BODY, POSE_CODE, PsiSampler, SceneInput, SceneTensors};
+use crate::math::{KMeansConfig, kmeans};
+use crate::nn::psi::{BODY, PsiSampler, SceneInput, SceneTensors};
 use crate::nn::{Graph, Mode, Params, numbers, tensor, training_device};
 use crate::scene::{PARAMS, SignedDistanceField};
 
 /// Validation bodies looked at after each epoch: enough for a curve.
 const VALIDATION_BODIES: usize = 128;
 /// K-means runs for the baseline's pose classes.
-const KMEANS_STARTS: u64 = 4;
+const KMEANS_STARTS: usize = 4;
 
 const _: () = assert!(BODY == PARAMS, "the networks' vector is the body's");
 
@@ -100,10 +100,15 @@ fn find_pose_classes(state: &mut TrainingState, data: &PsiData) {
     if state.network.pose_centres(&state.main.params).is_none() {
         return;
     }
-    let codes: Vec<f32> = data.train.iter().flat_map(|b| b.params.pose.into_iter().chain(b.mirrored_pose)).collect();
+    let codes: Vec<Vec<f32>> =
+        data.train.iter().flat_map(|b| [b.params.pose.to_vec(), b.mirrored_pose.to_vec()]).collect();
+    let wanted = state.training.network.pose_classes;
+    let config = KMeansConfig { clusters: wanted, restarts: KMEANS_STARTS, ..KMeansConfig::default() };
     let seed = Seed::root(state.training.seed).child("pose classes", 0);
-    let classes = kmeans(&codes, POSE_CODE, state.training.network.pose_classes, KMEANS_STARTS, seed);
-    state.network.set_pose_centres(&mut state.main.params, classes.centres);
+    let classes = kmeans(&codes, &config, seed.value());
+    // Fewer poses than classes: the last ones stand twice and are never the nearest.
+    let centres = classes.centers.iter().cycle().take(wanted).flatten().copied().collect();
+    state.network.set_pose_centres(&mut state.main.params, centres);
 }
 
 fn epoch(
