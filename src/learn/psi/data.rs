@@ -1,12 +1,12 @@
-use std::sync::Arc;
-
 use glam::{Affine3A, Mat3, Vec3};
 use rand::RngExt as _;
 use rayon::prelude::*;
 
 use crate::body::{Body, BodyModel, BodyPose};
-use crate::generate::sensor::{SIDE, Valid, View};
+use crate::generate::sensor::{Projection, SIDE};
+use crate::assets::content_hash;
 use crate::job::Seed;
+use crate::learn::corpus::{Corpus, CorpusPerson, CorpusView, Split};
 use crate::learn::mirrored;
 use crate::nn::psi::{BODY, CLIP_M, SceneInput, ValidArea};
 use crate::scene::{BodyParams, HANDS, POSE};
@@ -15,19 +15,6 @@ use crate::scene::{BodyParams, HANDS, POSE};
 const NEAREST_M: f32 = 0.4;
 /// Turns left into right in the camera's frame.
 const FLIP: Mat3 = Mat3::from_cols(Vec3::NEG_X, Vec3::Y, Vec3::Z);
-
-/// One picture of a room.
-#[derive(Clone, Debug)]
-pub struct PsiView {
-    /// The camera of the 128 x 128 square.
-    pub view: View,
-    /// The part that isn't padding.
-    pub valid: Valid,
-    /// Depth in millimetres, row by row; 0 where nothing is.
-    pub depth_mm: Arc<[u16]>,
-    /// Labels, row by row.
-    pub labels: Arc<[u8]>,
-}
 
 /// One person, and the pictures that show their place.
 #[derive(Clone, Debug)]
@@ -52,7 +39,7 @@ pub struct PsiData {
     /// Bodies of other rooms, to see how learning goes on.
     pub validation: Vec<PsiBody>,
     /// The pictures.
-    pub views: Vec<PsiView>,
+    pub views: Vec<CorpusView>,
 }
 
 /// One body in one picture, ready for the network.
@@ -92,6 +79,38 @@ impl PsiBody {
 }
 
 impl PsiData {
+    /// Bodies and pictures of a corpus; rooms keep their numbers. Its test rooms are left out: nothing of them is
+    /// ever seen in training.
+    pub fn from_corpus(corpus: Corpus) -> Self {
+        let text = corpus.manifest.to_ron().unwrap_or_default();
+        let id = format!("{}, seed {}, {:032x}", corpus.manifest.about, corpus.manifest.seed, content_hash(text.as_bytes()));
+        let mut data = Self { id, ..Self::default() };
+        for (room, of) in corpus.rooms.into_iter().enumerate().filter(|(_, r)| r.split != Split::Test) {
+            let first = data.views.len();
+            let of_person = |person: usize| {
+                let theirs = of.views.iter().enumerate().filter(|(_, v)| v.body == person);
+                theirs.map(|(i, _)| first + i).collect::<Vec<usize>>()
+            };
+            let encode = |(i, person): (usize, &CorpusPerson)| {
+                let params = BodyParams {
+                    translation: person.translation,
+                    rotation6: person.rotation6,
+                    betas: person.betas,
+                    pose: [0.0; POSE],
+                    hands: person.hands,
+                };
+                PsiBody::new(room, params, &person.body_pose, of_person(i))
+            };
+            let bodies: Vec<PsiBody> = of.people.par_iter().enumerate().map(encode).collect();
+            match of.split {
+                Split::Train => data.train.extend(bodies),
+                _ => data.validation.extend(bodies),
+            }
+            data.views.extend(of.views);
+        }
+        data
+    }
+
     /// Leaves out pictures in which a body does not lie between camera and largest depth (the published code
     /// drops such batches), and bodies that no picture is left of. Returns how many bodies were left out.
     pub fn drop_unseen(&mut self) -> usize {
@@ -123,7 +142,7 @@ impl PsiData {
         item
     }
 
-    fn item(&self, body: &PsiBody, view: &PsiView, mirrored: bool) -> Item {
+    fn item(&self, body: &PsiBody, view: &CorpusView, mirrored: bool) -> Item {
         let model = &Body::bundled().model;
         let in_camera = view.view.body_in_camera(&body.params, model);
         let (params, world_from_camera) = if mirrored {
@@ -149,7 +168,7 @@ fn flipped(body: &BodyParams, pose: [f32; POSE], model: &BodyModel) -> BodyParam
     out
 }
 
-fn is_seen(view: &PsiView, params: &BodyParams, model: &BodyModel) -> bool {
+fn is_seen(view: &CorpusView, params: &BodyParams, model: &BodyModel) -> bool {
     let deepest_m = max_depth_m(&view.depth_mm);
     let z = view.view.body_in_camera(params, model).translation.z;
     (NEAREST_M..=deepest_m).contains(&z)
@@ -161,7 +180,7 @@ fn max_depth_m(depth_mm: &[u16]) -> f32 {
 }
 
 /// The picture as the network takes it, mirrored if asked for.
-pub fn scene_input(view: &PsiView, mirrored: bool) -> SceneInput {
+pub fn scene_input(view: &CorpusView, mirrored: bool) -> SceneInput {
     let from = |at: usize| if mirrored { at - at % SIDE + SIDE - 1 - at % SIDE } else { at };
     let max_depth_m = max_depth_m(&view.depth_mm);
     let depth = |at: usize| (f32::from(view.depth_mm[from(at)]) * 1e-3).min(CLIP_M);
@@ -174,6 +193,6 @@ pub fn scene_input(view: &PsiView, mirrored: bool) -> SceneInput {
         labels: (0..SIDE * SIDE).map(|at| view.labels[from(at)]).collect(),
         valid: ValidArea { left, top, width, height },
         max_depth_m,
-        focal: crate::generate::sensor::Projection::new(intrinsics, max_depth_m).scale,
+        focal: Projection::new(intrinsics, max_depth_m).scale,
     }
 }

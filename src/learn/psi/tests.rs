@@ -1,5 +1,3 @@
-use std::sync::Arc;
-
 use glam::{Affine3A, Mat3, Vec3};
 use rand::RngExt as _;
 
@@ -12,6 +10,7 @@ use crate::body::joints::{LEFT_WRIST, PELVIS, RIGHT_WRIST};
 use crate::body::{Body, FamilyHints, Workspace, sample_pose};
 use crate::generate::sensor::{Intrinsics, SIDE, Valid, View};
 use crate::job::{JobCtx, Seed, Stop};
+use crate::learn::corpus::{CorpusView, ViewKind};
 use crate::nn::psi::{BODY, PsiConfig, PsiMethod, SceneInput};
 use crate::nn::{cpu_device, numbers, tensor};
 use crate::scene::{BodyParams, PARAMS, PoseFamily, SignedDistanceField};
@@ -36,11 +35,13 @@ fn corpus(people: usize) -> PsiData {
         let (view, valid) = Valid::of(&View::look_at(Vec3::new(1.5, 2.0, 2.5), at, Intrinsics::PROX_E));
         let stripe = 12 + person % 8 * 14;
         let depth = |p: usize| if (p % SIDE).abs_diff(stripe) < 10 { 2500 } else { 5000 };
-        data.views.push(PsiView {
+        data.views.push(CorpusView {
+            kind: ViewKind::Virtual,
+            body: person,
             view,
             valid,
             depth_mm: (0..SIDE * SIDE).map(depth).collect(),
-            labels: (0..SIDE * SIDE).map(|p| 1 + (p / SIDE / 40) as u8).collect::<Vec<_>>().into(),
+            labels: (0..SIDE * SIDE).map(|p| 1 + (p / SIDE / 40) as u8).collect(),
         });
         data.train.push(PsiBody::new(0, params, &pose, vec![person]));
     }
@@ -258,7 +259,7 @@ fn a_mirrored_picture_shows_the_same_person_from_the_mirrored_side() {
 #[test]
 fn bodies_that_no_picture_shows_are_left_out() {
     let mut data = corpus(3);
-    data.views[0].depth_mm = Arc::from(vec![600u16; SIDE * SIDE]);
+    data.views[0].depth_mm = vec![600; SIDE * SIDE];
     data.train[1].params.translation += Vec3::new(3.0, 0.0, 6.0);
     assert!(data.drop_unseen() >= 2, "behind the wall, and behind the camera");
     assert_eq!(data.train.len(), 1);

@@ -32,15 +32,6 @@ pub struct TrainingInput<'a> {
     pub fields: &'a [SignedDistanceField],
 }
 
-/// Which bodies of a corpus.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Split {
-    /// Learnt from.
-    Train,
-    /// Of other rooms.
-    Validation,
-}
-
 /// What stays the same over all steps.
 struct Tools<'a> {
     input: &'a TrainingInput<'a>,
@@ -137,7 +128,7 @@ fn epoch(
     row.mean_over(steps);
     let sampler = PsiSampler::new(state.network.clone(), &state.main.params);
     (row.validation_reconstruction, row.validation_divergence) =
-        evaluate_reconstruction(&sampler, data, Split::Validation, VALIDATION_BODIES, Seed::root(0));
+        evaluate_reconstruction(&sampler, data, &data.validation, VALIDATION_BODIES, Seed::root(0));
     match row.curves().iter().all(|(_, value)| value.is_finite()) {
         true => Ok(row),
         false => Err(TrainError::Diverged { epoch: row.epoch }.into()),
@@ -272,23 +263,20 @@ fn add_adversary(
     }
 }
 
-/// Eq. 2 and the divergence (mean over latent numbers, stages summed) over the first `most` bodies of a
-/// split, each in one view, with the mean code: PSI Table 1.
+/// Eq. 2 and the divergence (mean over latent numbers, stages summed) over at most `most` of these bodies of
+/// `data`, each in one view, with the mean code: PSI Table 1. Zero for nobody.
 pub fn evaluate_reconstruction(
     sampler: &PsiSampler,
     data: &PsiData,
-    split: Split,
+    bodies: &[PsiBody],
     most: usize,
     seed: Seed,
 ) -> (f32, f32) {
-    let bodies: &[PsiBody] = match split {
-        Split::Train => &data.train,
-        Split::Validation => &data.validation,
-    };
-    let bodies = &bodies[..bodies.len().min(most)];
+    // Evenly over the whole, for rooms stand one after another.
+    let bodies: Vec<&PsiBody> = bodies.iter().step_by(bodies.len().div_ceil(most.max(1)).max(1)).collect();
     let (mut error, mut divergence) = (0.0, 0.0);
     for (b, batch) in bodies.chunks(64).enumerate() {
-        let draw = |(i, body): (usize, &PsiBody)| data.draw(body, Augment::NONE, seed.child("view", (b * 64 + i) as u64));
+        let draw = |(i, body): (usize, &&PsiBody)| data.draw(body, Augment::NONE, seed.child("view", (b * 64 + i) as u64));
         let items: Vec<Item> = batch.par_iter().enumerate().map(draw).collect();
         let scenes: Vec<&SceneInput> = items.iter().map(|i| &i.scene).collect();
         let given: Vec<[f32; BODY]> = items.iter().map(|i| i.body).collect();
