@@ -62,7 +62,8 @@ impl<'a> Words<'a> {
         if found.eq_ignore_ascii_case(expected) {
             return Ok(());
         }
-        Err(self.error(format!("`{found}` stands where `{expected}` should; this is not a BVH file as known")))
+        Err(self
+            .error(format!("`{found}` stands where `{expected}` should; this is not a BVH file as known")))
     }
 
     fn number(&mut self, what: &str) -> Result<f32, MotionFileError> {
@@ -105,7 +106,9 @@ pub fn read_bvh(file: &str, name: &str, text: &str) -> Result<RigMotion, MotionF
     words.keyword("Time:")?;
     let frame_seconds = words.number("the frame time")?;
     if frame_seconds <= 0.0 {
-        return Err(words.error(format!("a frame time of {frame_seconds} s; write the seconds from frame to frame")));
+        return Err(
+            words.error(format!("a frame time of {frame_seconds} s; write the seconds from frame to frame"))
+        );
     }
     let mut motion = RigMotion {
         name: name.to_owned(),
@@ -121,7 +124,8 @@ pub fn read_bvh(file: &str, name: &str, text: &str) -> Result<RigMotion, MotionF
         None => Ok(motion),
         Some((line, word)) => {
             words.line = line;
-            Err(words.error(format!("`{word}` stands behind the last of {frames} frames; correct their count")))
+            Err(words
+                .error(format!("`{word}` stands behind the last of {frames} frames; correct their count")))
         }
     }
 }
@@ -151,7 +155,9 @@ impl Skeleton {
                 "}" => {
                     open.pop();
                 }
-                other => return Err(words.error(format!("`{other}` is nothing that a joint can have in BVH"))),
+                other => {
+                    return Err(words.error(format!("`{other}` is nothing that a joint can have in BVH")));
+                }
             }
         }
         Ok(())
@@ -180,7 +186,9 @@ impl Skeleton {
                 (Some(axis), Some("position")) => Channel::Position(axis),
                 (Some(axis), Some("rotation")) => Channel::Rotation(axis),
                 _ => {
-                    return Err(words.error(format!("`{word}` is no channel; BVH knows Xposition to Zrotation")));
+                    return Err(
+                        words.error(format!("`{word}` is no channel; BVH knows Xposition to Zrotation"))
+                    );
                 }
             };
             self.channels.push((joint, channel));

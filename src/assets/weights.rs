@@ -170,8 +170,11 @@ impl Weights {
     /// [`WeightsError::Damaged`] with what the writer says; never on weights of a size that fits the memory.
     pub fn to_bytes(&self, precision: Precision) -> Result<Vec<u8>, WeightsError> {
         let damaged = |cause: String| WeightsError::Damaged { file: self.file.clone(), cause };
-        let bytes: Vec<(&str, &[usize], Vec<u8>)> =
-            self.tensors.iter().map(|(name, t)| (&**name, &*t.shape, encoded(&t.values, precision))).collect();
+        let bytes: Vec<(&str, &[usize], Vec<u8>)> = self
+            .tensors
+            .iter()
+            .map(|(name, t)| (&**name, &*t.shape, encoded(&t.values, precision)))
+            .collect();
         let dtype = match precision {
             Precision::Full => Dtype::F32,
             Precision::Half => Dtype::F16,
@@ -201,9 +204,7 @@ fn numbers(file: &str, name: &str, view: &TensorView<'_>) -> Result<Vec<f32>, We
         return Err(WeightsError::Damaged { file: file.to_owned(), cause });
     }
     let values: Vec<f32> = match view.dtype() {
-        Dtype::F32 => {
-            data.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
-        }
+        Dtype::F32 => data.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect(),
         Dtype::F16 => data.chunks_exact(2).map(|b| f16::from_le_bytes([b[0], b[1]]).to_f32()).collect(),
         other => {
             let (file, tensor) = (file.to_owned(), name.to_owned());

@@ -24,13 +24,13 @@ mod workspace;
 
 pub use export::skinned_mesh;
 pub use families::{FamilyHints, LeanStyle, SampledPose, sample_pose};
-pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace};
+pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace, HandSpaceError};
 pub use hands::HandShape;
 pub use limits::{JointLimit, joint_limits, worst_excess};
 pub use model::{BodyModel, BodyModelError};
 pub use parts::{BodyPart, BodyParts, Seams, part_at};
 pub use pose_decoder::PoseDecoder;
-pub use pose_space::{BodyPose, PoseGaussian, PoseSpace, PoseStatistics, PoseStatisticsError, PoseTape};
+pub use pose_space::{BodyPose, PoseSpace, PoseTape};
 pub use posed::{Body, Posed};
 pub use regions::{ContactRegions, Region};
 pub use retarget::{RetargetError, retarget};

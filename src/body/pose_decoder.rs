@@ -68,7 +68,12 @@ impl PoseDecoder {
 
     /// Weighted misfit: angle errors in metres of leverage over [`ENCODING_M`], in each joint's own frame, and the
     /// cost `|misfit|² + |code|²` that encoding minimises.
-    fn misfit(&self, rotations: &[Mat3; BODY_JOINTS], pose: &[Mat3; BODY_JOINTS], code: &[f32; POSE]) -> (Vec<f32>, f32) {
+    fn misfit(
+        &self,
+        rotations: &[Mat3; BODY_JOINTS],
+        pose: &[Mat3; BODY_JOINTS],
+        code: &[f32; POSE],
+    ) -> (Vec<f32>, f32) {
         let error = |joint: usize| {
             let between = pose[joint].transpose() * rotations[joint];
             rotation::axis_angle_from_matrix(between) * (self.leverage_m[joint] / ENCODING_M)
@@ -365,7 +370,8 @@ mod tests {
             let bias = (0..outputs).map(|o| if six && matches!(o % 6, 0 | 3) { 1.0 } else { 0.0 }).collect();
             weights.insert(&format!("{part}.{i}.bias"), &[outputs], bias);
         };
-        for (part, inputs, outputs, scale) in [("decoder", POSE, SIXES, turn), ("encoder", ANGLES, POSE, 1.0)] {
+        for (part, inputs, outputs, scale) in [("decoder", POSE, SIXES, turn), ("encoder", ANGLES, POSE, 1.0)]
+        {
             layer(part, 0, inputs, 37, 2.0);
             layer(part, 1, 37, 37, 2.0);
             layer(part, 2, 37, outputs, scale);

@@ -16,7 +16,9 @@ use super::joints::{self as j, JOINTS, PARENTS};
 #[derive(Debug, thiserror::Error)]
 pub enum RetargetError {
     /// A skeleton that no table knows.
-    #[error("{motion}: no known skeleton has these joints: {found}; rename them as in the CMU database's BVH files")]
+    #[error(
+        "{motion}: no known skeleton has these joints: {found}; rename them as in the CMU database's BVH files"
+    )]
     UnknownSkeleton {
         /// The motion.
         motion: String,
@@ -171,7 +173,10 @@ impl Plan {
         let has_all = |rig: &&RigTable| rig.iter().all(|(_, name)| motion.joint(name).is_some());
         let Some(rig) = RIGS.iter().find(has_all) else {
             let found: Vec<&str> = motion.joints.iter().map(|joint| &*joint.name).collect();
-            return Err(RetargetError::UnknownSkeleton { motion: motion.name.clone(), found: found.join(", ") });
+            return Err(RetargetError::UnknownSkeleton {
+                motion: motion.name.clone(),
+                found: found.join(", "),
+            });
         };
         let positions = motion.rest_positions();
         let mut drivers = [None; JOINTS];
@@ -180,7 +185,9 @@ impl Plan {
         }
         for (joint, end) in LIMBS {
             let Some((theirs, _)) = drivers[joint] else { continue };
-            let Some(target) = bone_at_rest(motion, &positions, theirs, drivers[end].map(|d| d.0)) else { continue };
+            let Some(target) = bone_at_rest(motion, &positions, theirs, drivers[end].map(|d| d.0)) else {
+                continue;
+            };
             let is_foot = matches!(end, j::LEFT_FOOT | j::RIGHT_FOOT);
             drivers[joint] = Some((theirs, turn_between(rest[end] - rest[joint], target, is_foot)));
         }
@@ -334,7 +341,8 @@ mod tests {
     fn unknown_skeletons_are_named() {
         let mut motion = hanging(&[]);
         motion.joints[3].name = "tentacle".into();
-        let error = retarget(&motion, &Body::bundled().model.joint_template).expect_err("unknown").to_string();
+        let error =
+            retarget(&motion, &Body::bundled().model.joint_template).expect_err("unknown").to_string();
         assert!(error.contains("tentacle"), "{error}");
         let mut legless = hanging(&[]);
         for joint in &mut legless.joints {

@@ -81,7 +81,8 @@ impl PoseCorpus {
         ticker.stage("drawing pose families", PoseFamily::ALL.len())?;
         for (done, family) in PoseFamily::ALL.into_iter().enumerate() {
             let drawn = draw_family(model, family, &config, seed, ticker)?;
-            let [train, held_out] = drawn.map(|poses| PoseGroup { label: family.label().into(), weight: 1.0, poses });
+            let [train, held_out] =
+                drawn.map(|poses| PoseGroup { label: family.label().into(), weight: 1.0, poses });
             corpus.train.push(train);
             corpus.held_out_families.push(held_out);
             ticker.step(done + 1, PoseFamily::ALL.len())?;
@@ -203,7 +204,7 @@ fn draw_family(
 }
 
 /// The spread of places that people find, so that the space holds the poses of all of them.
-pub(super) fn random_hints(family: PoseFamily, rng: &mut Rng) -> FamilyHints {
+fn random_hints(family: PoseFamily, rng: &mut Rng) -> FamilyHints {
     let mut maybe = |low: f32, high: f32, often: f32| {
         let (value, said) = (rng.random_range(low..high), rng.random_range(0.0..1.0) < often);
         said.then_some(value)
@@ -237,12 +238,14 @@ mod tests {
 
     fn corpus(clips: &[PoseClip]) -> PoseCorpus {
         let config = PoseCorpusConfig { samples_a_family: 10, ..PoseCorpusConfig::default() };
-        PoseCorpus::new(clips, &Body::bundled().model, config, Seed::root(1), &Ticker::silent()).expect("corpus")
+        PoseCorpus::new(clips, &Body::bundled().model, config, Seed::root(1), &Ticker::silent())
+            .expect("corpus")
     }
 
     #[test]
     fn clips_are_held_out_whole_and_thinned() {
-        let clips: Vec<PoseClip> = (0..16).map(|i| clip(&format!("a/{i}"), 40, -1.0 - 0.01 * i as f32)).collect();
+        let clips: Vec<PoseClip> =
+            (0..16).map(|i| clip(&format!("a/{i}"), 40, -1.0 - 0.01 * i as f32)).collect();
         let corpus = corpus(&clips);
         assert_eq!((corpus.held_out_clips.len(), corpus.train[0].poses.len()), (2, 14 * 10));
         for held_out in &corpus.held_out_clips {

@@ -237,9 +237,14 @@ mod tests {
         let shoulder = model.joint_template[16];
         let in_arm = |v: usize| matches!(body_joint(model.dominant_joint(v)), 16 | 18 | 20);
         let moved = |p: Vec3| (turn * (p - shoulder) - (p - shoulder)).length_squared();
-        let skin: f32 = (0..areas.len()).filter(|v| in_arm(*v)).map(|v| areas[v] * moved(model.template[v])).sum();
+        let skin: f32 =
+            (0..areas.len()).filter(|v| in_arm(*v)).map(|v| areas[v] * moved(model.template[v])).sum();
         let joints: f32 = [18, 20].map(|j| moved(model.joint_template[j])).iter().sum();
         let expected = 0.5 * skin / areas.iter().sum::<f32>() + 0.5 * joints / TREE as f32;
-        assert!((terms.position_m2 / expected - 1.0).abs() < 1e-2, "{} against {expected}", terms.position_m2);
+        assert!(
+            (terms.position_m2 / expected - 1.0).abs() < 1e-2,
+            "{} against {expected}",
+            terms.position_m2
+        );
     }
 }

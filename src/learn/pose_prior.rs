@@ -48,7 +48,7 @@ impl Default for PosePriorConfig {
         Self {
             hidden: 512,
             batch: 256,
-            steps: 12_000,
+            steps: 5_000,
             learning_rate: 1e-3,
             dropout: 0.1,
             dropout_until: 0.4,
@@ -171,7 +171,8 @@ impl Training {
         }
         let vae = PoseVae::read(checkpoint)?;
         let count = vae.parameters.len();
-        let (first, second) = (checkpoint.values("adam.first", &[count])?, checkpoint.values("adam.second", &[count])?);
+        let (first, second) =
+            (checkpoint.values("adam.first", &[count])?, checkpoint.values("adam.second", &[count])?);
         let done: usize = note("steps")?.parse().map_err(|_| other("its `steps` are no number"))?;
         let curve = serde_json::from_str(note("curve")?).map_err(|_| other("its `curve` can't be read"))?;
         let steps = i32::try_from(done).map_err(|_| other("its `steps` are too many"))?;
@@ -189,7 +190,14 @@ impl Training {
         Ok(weights)
     }
 
-    fn step(&mut self, corpus: &PoseCorpus, loss: &PoseLoss, config: &PosePriorConfig, seed: Seed, sums: &mut Sums) {
+    fn step(
+        &mut self,
+        corpus: &PoseCorpus,
+        loss: &PoseLoss,
+        config: &PosePriorConfig,
+        seed: Seed,
+        sums: &mut Sums,
+    ) {
         let progress = self.done as f32 / config.steps as f32;
         let (poses, batch) = draw_batch(corpus, config, progress, seed.child("step", self.done as u64));
         let mut terms = PoseLossTerms::default();
@@ -241,7 +249,12 @@ fn notes(
     Ok(pairs.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
 }
 
-fn draw_batch(corpus: &PoseCorpus, config: &PosePriorConfig, progress: f32, seed: Seed) -> (Vec<BodyPose>, VaeBatch) {
+fn draw_batch(
+    corpus: &PoseCorpus,
+    config: &PosePriorConfig,
+    progress: f32,
+    seed: Seed,
+) -> (Vec<BodyPose>, VaeBatch) {
     let mut rng = seed.rng();
     let poses: Vec<BodyPose> = (0..config.batch).map(|_| corpus.draw(&mut rng)).collect();
     let rate = if progress < config.dropout_until { config.dropout } else { 0.0 };
@@ -268,7 +281,12 @@ fn flat(poses: &[BodyPose]) -> Vec<f32> {
 }
 
 /// Mean terms over the batch and the gradient of their weighted sum with respect to the decoded numbers.
-fn mean_loss(loss: &PoseLoss, six: &[f32], poses: &[BodyPose], weights: &PoseLossWeights) -> (PoseLossTerms, Vec<f32>) {
+fn mean_loss(
+    loss: &PoseLoss,
+    six: &[f32],
+    poses: &[BodyPose],
+    weights: &PoseLossWeights,
+) -> (PoseLossTerms, Vec<f32>) {
     let pairs: Vec<_> =
         six.par_chunks(VAE_SIX).zip(poses).map(|(six, pose)| loss.evaluate(six, pose, weights)).collect();
     let share = 1.0 / poses.len().max(1) as f32;

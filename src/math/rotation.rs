@@ -166,7 +166,9 @@ mod tests {
     #[test]
     fn logarithm_gradient_agrees_with_finite_differences() {
         let gradient = Vec3::new(0.7, -1.3, 0.4);
-        for v in [Vec3::ZERO, Vec3::new(1e-4, 0.0, -2e-4), Vec3::new(0.03, 0.01, 0.0), Vec3::new(0.4, -1.9, 1.6)] {
+        for v in
+            [Vec3::ZERO, Vec3::new(1e-4, 0.0, -2e-4), Vec3::new(0.03, 0.01, 0.0), Vec3::new(0.4, -1.9, 1.6)]
+        {
             let rotation = matrix_from_axis_angle(v);
             let analytic = pull_back_logarithm(&rotation, gradient);
             for axis in Vec3::AXES {

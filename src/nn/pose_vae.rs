@@ -124,8 +124,7 @@ impl PoseVae {
                 parameters.extend((0..count).map(|_| uniform() * bound));
             }
         }
-        let running =
-            [vec![0.0; VAE_POSE], vec![1.0; VAE_POSE], vec![0.0; hidden], vec![1.0; hidden]];
+        let running = [vec![0.0; VAE_POSE], vec![1.0; VAE_POSE], vec![0.0; hidden], vec![1.0; hidden]];
         Self { hidden, parameters, running }
     }
 
@@ -189,7 +188,8 @@ impl PoseVae {
         let code = mean.clone() + deviation.clone() * noise;
         let hidden = dropped(leaky(layer(code, &leaves[12..14])), keep(1));
         let six = layer(leaky(layer(hidden, &leaves[14..16])), &leaves[16..18]);
-        let spread = mean.clone() * mean + deviation.clone() * deviation.clone() - deviation.log() * 2.0 - 1.0;
+        let spread =
+            mean.clone() * mean + deviation.clone() * deviation.clone() - deviation.log() * 2.0 - 1.0;
         let divergence = spread.sum() * (0.5 / count as f64);
         let decoded = plain(six.clone());
         let pull = matrix(&loss(&decoded), [count, VAE_SIX], &device);
@@ -365,7 +365,9 @@ mod tests {
         VaeBatch {
             poses: (0..count * VAE_POSE).map(|_| draw()).collect(),
             noise: (0..count * VAE_CODE).map(|_| draw()).collect(),
-            keep: std::array::from_fn(|_| (0..count * 16).map(|i| if i % 5 == 0 { 0.0 } else { 1.25 }).collect()),
+            keep: std::array::from_fn(|_| {
+                (0..count * 16).map(|i| if i % 5 == 0 { 0.0 } else { 1.25 }).collect()
+            }),
             divergence_weight: 0.7,
         }
     }
@@ -425,7 +427,8 @@ mod tests {
         let layer = |x: &[f32], name: &str, active: bool| -> Vec<f32> {
             let bias = &folded.tensor(&format!("{name}.bias")).expect("bias").values;
             let weight = &folded.tensor(&format!("{name}.weight")).expect("weight").values;
-            let sum = |o: usize| x.iter().enumerate().map(|(i, x)| x * weight[i * bias.len() + o]).sum::<f32>();
+            let sum =
+                |o: usize| x.iter().enumerate().map(|(i, x)| x * weight[i * bias.len() + o]).sum::<f32>();
             let y = (0..bias.len()).map(|o| bias[o] + sum(o));
             y.map(|y| if active && y < 0.0 { 0.2 * y } else { y }).collect()
         };

@@ -1,20 +1,15 @@
-//! The Gaussian pose space and the hand space, fitted on clips and on the program's own pose families.
+//! The hand space, fitted on clips and on the program's own hands.
 //!
-//! Pure: takes clips, returns statistics; the same seed gives the same numbers.
+//! Pure: takes clips, returns numbers; the same seed gives the same numbers.
 
 use glam::Vec3;
 
-use super::pose_corpus::random_hints;
 use crate::assets::PoseClip;
-use crate::body::joints::{self, BODY_JOINTS, LEFT_HAND, RIGHT_HAND};
-use crate::body::{
-    Body, BodyPose, FamilyHints, HAND_CODE, HAND_JOINTS, HandShape, HandSpace, PoseGaussian, PoseStatistics,
-    sample_pose,
-};
+use crate::body::joints::{self, LEFT_HAND, RIGHT_HAND};
+use crate::body::{Body, FamilyHints, HAND_CODE, HAND_JOINTS, HandShape, HandSpace, sample_pose};
 use crate::job::Seed;
 use crate::math::symmetric_eigen;
-use crate::scene::{POSE, PoseFamily};
-
+use crate::scene::PoseFamily;
 
 /// Poses drawn of each family.
 const SAMPLES_A_FAMILY: usize = 1500;
@@ -23,32 +18,6 @@ const SAMPLES_A_FAMILY: usize = 1500;
 const WEIGHT_OF_CLIPS: f64 = 1.5;
 /// Least deviation of a direction, radians: a direction that the data hardly use still takes a code number.
 const LEAST_DEVIATION: f64 = 0.01;
-
-/// Fits both spaces.
-pub fn fit_pose_statistics(clips: &[PoseClip], seed: Seed) -> PoseStatistics {
-    PoseStatistics { poses: fit_pose_gaussian(clips, seed), hands: fit_hand_space(clips, seed) }
-}
-
-/// Fits the pose space: principal components of every clip frame and of samples of every pose family, each
-/// also mirrored, with every family weighing the same.
-pub fn fit_pose_gaussian(clips: &[PoseClip], seed: Seed) -> PoseGaussian {
-    let mut corpus = Corpus::default();
-    for family in PoseFamily::ALL {
-        let mut rng = seed.child(family.label(), 0).rng();
-        for _ in 0..SAMPLES_A_FAMILY {
-            let hints = random_hints(family, &mut rng);
-            let pose = sample_pose(&Body::bundled().model.joint_template, family, &mut rng, &hints).pose;
-            corpus.add_with_mirror(&pose, 1.0 / SAMPLES_A_FAMILY as f64);
-        }
-    }
-    let frames: usize = clips.iter().map(|clip| clip.frames.len()).sum();
-    for frame in clips.iter().flat_map(|clip| &clip.frames) {
-        let pose: BodyPose = std::array::from_fn(|j| frame[j + 1]);
-        corpus.add_with_mirror(&pose, WEIGHT_OF_CLIPS / frames as f64);
-    }
-    let (mean, directions) = corpus.principal_directions(POSE);
-    PoseGaussian { mean: joints_of(&mean), directions: directions.iter().map(|d| joints_of(d)).collect() }
-}
 
 /// Fits the hand space: principal components of the clips' hands (right ones mirrored) and of relaxed, resting,
 /// flat, closed and pointing hands.
@@ -90,15 +59,6 @@ impl Corpus {
         self.rows.push((weight, row.to_vec()));
     }
 
-    fn add_with_mirror(&mut self, pose: &BodyPose, weight: f64) {
-        let mirrored: BodyPose = std::array::from_fn(|j| {
-            let other = joints::mirror(j + 1);
-            joints::mirror_axis_angle(pose[other - 1])
-        });
-        self.add(&flat(pose), weight);
-        self.add(&flat(&mirrored), weight);
-    }
-
     /// The mean and the leading principal components, each as long as its standard deviation.
     fn principal_directions(&self, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
         let total: f64 = self.rows.iter().map(|(weight, _)| weight).sum();
@@ -131,25 +91,4 @@ fn flat(joints: &[Vec3]) -> Vec<f64> {
 
 fn joints_of<const N: usize>(flat: &[f64]) -> [Vec3; N] {
     std::array::from_fn(|j| Vec3::new(flat[3 * j] as f32, flat[3 * j + 1] as f32, flat[3 * j + 2] as f32))
-}
-
-/// Mean over joints and samples of the angle in degrees between a family's poses and what the pose space
-/// makes of them; the second number is the mean of |code|², which is 32 for draws from the prior.
-pub fn family_fit(body: &Body, family: PoseFamily, samples: usize, seed: Seed) -> (f32, f32) {
-    let mut rng = seed.child(family.label(), 1).rng();
-    let (mut degrees, mut squared) = (0.0, 0.0);
-    for _ in 0..samples {
-        let hints = random_hints(family, &mut rng);
-        let pose = sample_pose(&body.model.joint_template, family, &mut rng, &hints).pose;
-        let code = body.pose_space.encode(&pose);
-        let back = body.pose_space.decode(&code);
-        let angle = |j: usize| {
-            let turn = |v| crate::math::rotation::matrix_from_axis_angle(v);
-            let between = turn(pose[j]).transpose() * turn(back[j]);
-            crate::math::rotation::axis_angle_from_matrix(between).length().to_degrees()
-        };
-        degrees += (0..BODY_JOINTS).map(angle).sum::<f32>() / BODY_JOINTS as f32;
-        squared += code.iter().map(|z| z * z).sum::<f32>();
-    }
-    (degrees / samples as f32, squared / samples as f32)
 }
