@@ -21,6 +21,7 @@ mod gltf;
 mod hash;
 mod mend;
 mod model;
+mod npz_write;
 mod obj;
 mod picture;
 mod ply;
