@@ -125,6 +125,12 @@ pub struct Common {
 pub enum Method {
     /// Affordance search: surfaces, heights, clearance, facing.
     Search,
+    /// The one-stage network of PSI, from what a camera sees.
+    S1,
+    /// The two-stage network of PSI: first where, then how.
+    S2,
+    /// The older network that PSI compares with.
+    Baseline,
 }
 
 /// How a command ended, when it did not fail.

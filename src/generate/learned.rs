@@ -46,6 +46,12 @@ impl LearnedMethod {
         Self { network: PsiMethod::S2, scene_loss: true },
     ];
 
+    /// The one that the program takes when a user names only the network: whichever of plain and L_HS sampled better
+    /// on the validation rooms (cards in `assets/networks`).
+    pub fn best_of(network: PsiMethod) -> Self {
+        Self { network, scene_loss: false }
+    }
+
     /// The name of its weight file: `s1`, `s1_hs`, `s2`, `s2_hs`, `baseline`.
     pub fn label(self) -> String {
         let suffix = if self.scene_loss { "_hs" } else { "" };
