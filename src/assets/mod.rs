@@ -22,6 +22,7 @@ mod hash;
 mod keypoints;
 mod mend;
 mod model;
+mod npz_write;
 mod obj;
 mod picture;
 mod ply;
