@@ -70,10 +70,13 @@ pub fn fit(task: &PhotoTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop>
     let keypoints = task.keypoints.clone();
     let request = EstimateRequest { view, keypoints, estimator, scene_code, limits: Limits::default() };
     let id = task.id;
-    let shown = cx.mapped(move |body: BodyParams| PopulatePreview { people: vec![person(id, body, PoseFamily::Stand)] });
+    let shown = cx.mapped(move |body: BodyParams| PopulatePreview {
+        people: vec![person(id, body, PoseFamily::Stand)],
+    });
     let found = estimate_person(&task.geometry, &request, &shown)?;
     let curve = |i: usize| found.trace.iter().map(|terms| terms[i]).collect();
-    let energies = ESTIMATE_TERMS.iter().enumerate().map(|(i, term)| (term.label().to_owned(), curve(i))).collect();
+    let energies =
+        ESTIMATE_TERMS.iter().enumerate().map(|(i, term)| (term.label().to_owned(), curve(i))).collect();
     let px = found.reprojection_px;
     Ok(Made {
         people: vec![person(id, found.params, found.family)],

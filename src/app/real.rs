@@ -126,8 +126,8 @@ impl Engine for RealEngine {
     }
 
     fn missing_methods(&self) -> Vec<(SampleMethod, String)> {
-        let networks = SampleMethod::ALL.into_iter().filter(|method| *method != SampleMethod::Search);
-        networks.map(|method| (method, sampling::not_bundled(method))).collect()
+        let missing = |method| Some((method, sampling::why_missing(method)?));
+        SampleMethod::ALL.into_iter().filter_map(missing).collect()
     }
 
     fn see(

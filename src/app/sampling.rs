@@ -13,20 +13,26 @@ use crate::evolve::PopulatePreview;
 use crate::evolve::RefinePreview;
 use crate::evolve::RefineRequest;
 use crate::evolve::Refined;
+use crate::evolve::family_of;
 use crate::evolve::refine;
 use crate::fit::FitConfig;
 use crate::fit::Fitter;
 use crate::fit::Surroundings;
 use crate::generate::SearchRequest;
+use crate::generate::learned::LearnedError;
+use crate::generate::learned::LearnedMethod;
+use crate::generate::learned::LearnedSampler;
 use crate::generate::search;
 use crate::generate::sensor::AgentConfig;
 use crate::generate::sensor::Intrinsics;
+use crate::generate::sensor::SceneImage;
 use crate::generate::sensor::Sensor;
 use crate::generate::sensor::View;
 use crate::generate::sensor::agent_views;
 use crate::inspect::inspect_body;
 use crate::job::{Cancelled, JobCtx, Seed, Stop, Ticker};
 use crate::math::Aabb;
+use crate::nn::psi::PsiMethod;
 use crate::render::BodySurface;
 use crate::render::PersonDraw;
 use crate::render::Picture;
@@ -104,7 +110,7 @@ pub fn sample(task: &SampleTask, cx: &JobCtx<PopulatePreview>) -> Result<Sampled
     let seen = Sensor::new(&task.room, &task.geometry).scene_image(&view);
     let people = match task.method {
         SampleMethod::Search => searched(task, &view, cx)?,
-        method => return Err(Stop::Failed(not_bundled(method))),
+        method => drawn(task, network(method)?, &seen, cx)?,
     };
     let shortfall = (people.len() < task.count)
         .then(|| format!("{} of {} candidates: this view affords no more", people.len(), task.count));
@@ -112,9 +118,50 @@ pub fn sample(task: &SampleTask, cx: &JobCtx<PopulatePreview>) -> Result<Sampled
     Ok(Sampled { seen: Arc::new(seen), candidates, shortfall })
 }
 
-/// Why a network can't be used.
-pub fn not_bundled(method: SampleMethod) -> String {
-    format!("{} is not bundled with this program", method.label())
+/// The network behind a method.
+///
+/// # Errors
+/// When this build has none.
+pub fn network(method: SampleMethod) -> Result<&'static LearnedSampler, Stop> {
+    let of = network_of(method).ok_or_else(|| Stop::Failed(format!("{} is no network", method.label())))?;
+    Ok(LearnedSampler::bundled(of)?)
+}
+
+fn network_of(method: SampleMethod) -> Option<LearnedMethod> {
+    let network = match method {
+        SampleMethod::S1 => PsiMethod::S1,
+        SampleMethod::S2 => PsiMethod::S2,
+        SampleMethod::Baseline => PsiMethod::Baseline,
+        SampleMethod::Search | SampleMethod::Photo => return None,
+    };
+    Some(LearnedMethod::best_of(network))
+}
+
+/// Why a method can't be used; `None` when it can.
+pub fn why_missing(method: SampleMethod) -> Option<String> {
+    let missing = network_of(method).filter(|of| !LearnedSampler::is_bundled(*of))?;
+    Some(LearnedError::NotBundled(missing.label()).to_string())
+}
+
+/// Bodies that a network draws from the image.
+fn drawn(
+    task: &SampleTask,
+    network: &LearnedSampler,
+    seen: &SceneImage,
+    cx: &JobCtx<PopulatePreview>,
+) -> Result<Vec<Person>, Stop> {
+    cx.stage("sampling", task.count)?;
+    let people = |bodies: &[BodyParams]| -> Vec<Person> {
+        let somebody = |(number, body): (usize, &BodyParams)| {
+            let family = family_of(&task.geometry, Body::bundled(), body);
+            let seed = cx.seed.child("sample", number as u64).value();
+            somebody(number, body.clone(), family, "not fitted yet".to_owned(), seed)
+        };
+        bodies.par_iter().enumerate().map(somebody).collect()
+    };
+    let mut show = |bodies: &[BodyParams]| cx.preview(PopulatePreview { people: people(bodies) });
+    let bodies = network.sample(seen, task.count, cx.seed, cx.ticker(), &mut show)?;
+    Ok(people(&bodies))
 }
 
 /// Proposals of the search whose pelvis the view sees.

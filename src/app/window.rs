@@ -385,7 +385,7 @@ fn layout() -> Tree<Pane> {
     let people = tabs(&[Pane::People]);
     let view = tabs(&[Pane::Viewport]);
     let below = tabs(&[Pane::Findings, Pane::Candidates, Pane::Energies, Pane::Jobs]);
-    let populate = tabs(&[Pane::Populate, Pane::Sample]);
+    let populate = tabs(&[Pane::Populate, Pane::Sample, Pane::Photo]);
     let inspector = tabs(&[Pane::Inspector, Pane::Why]);
     let mut column =
         |children: [TileId; 2], shares: [f32; 2]| linear(&mut tiles, LinearDir::Vertical, &children, &shares);

@@ -1,6 +1,6 @@
 //! What lies over the window: palette, help, paths, import report, history, notifications.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use egui::{Align2, Context, Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui, Window};
 
@@ -309,7 +309,7 @@ fn rename(ctx: &Context, state: &mut EditorState, item: Item, mut text: String) 
     }
 }
 
-fn recover(ctx: &Context, state: &mut EditorState, path: &PathBuf) {
+fn recover(ctx: &Context, state: &mut EditorState, path: &Path) {
     let response = Modal::new(Id::unique("recover")).show(ctx, |ui| {
         ui.set_width(380.0);
         ui.heading("The last session did not end on purpose");
@@ -318,7 +318,7 @@ fn recover(ctx: &Context, state: &mut EditorState, path: &PathBuf) {
         ui.horizontal(|ui| {
             if ui.button("Recover").clicked() {
                 state.overlay = Overlay::None;
-                state.open_now(Source::File(path.clone(), ImportChoice::default()));
+                state.open_now(Source::File(path.to_path_buf(), ImportChoice::default()));
             }
             if ui.button("Not needed").clicked() {
                 state.overlay = Overlay::None;
