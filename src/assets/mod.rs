@@ -19,6 +19,7 @@ mod error;
 mod furniture;
 mod gltf;
 mod hash;
+mod keypoints;
 mod mend;
 mod model;
 mod npz_write;
@@ -39,6 +40,9 @@ pub use encode::{encode_jpeg, encode_png};
 pub use error::{AssetError, Problem};
 pub use furniture::{furniture_model, furniture_names};
 pub use hash::{ContentHasher, NumberHasher, NumberMap, content_hash};
+pub use keypoints::{
+    Keypoint, KeypointSet, PersonKeypoints, PictureKeypoints, read_keypoints, read_keypoints_bytes,
+};
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
 pub use read::{read_model, read_model_bytes};
 pub use rig_motion::{RigJoint, RigMotion};
