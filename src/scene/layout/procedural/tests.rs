@@ -26,7 +26,7 @@ fn things(layout: &Layout, model: &Model) -> Vec<Thing> {
         let corners = part.mesh.positions.iter().map(|p| part.file_from_mesh.transform_point3(*p));
         let bounds = Aabb::of(corners);
         match things.iter_mut().find(|t| t.name == part.name) {
-            Some(thing) => thing.bounds = thing.bounds.union(&bounds),
+            Some(thing) => thing.bounds = thing.bounds.union(bounds),
             None => things.push(Thing { name: part.name.clone(), category, bounds }),
         }
     }
