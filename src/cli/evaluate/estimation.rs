@@ -3,11 +3,12 @@
 mod tables;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 
-use super::super::corpus::{read_manifest, read_room, read_room_model};
 use crate::body::Body;
+use crate::cli::corpus::{read_manifest, read_room, read_room_model};
 use crate::cli::load;
 use crate::cli::output::OutputFolder;
 use crate::cli::progress::run_job;
@@ -38,8 +39,11 @@ pub struct EstimationArguments {
     #[arg(long, default_value_t = 200, value_name = "N")]
     pub views: usize,
     /// Who says what people do in a scene: the centre of the scene-aware estimator's prior.
-    #[arg(long, value_enum, default_value_t = PriorSource::Search)]
+    #[arg(long, value_enum, default_value_t = PriorSource::S1)]
     pub prior: PriorSource,
+    /// Weights of `inhabit train psi --method s1` instead of those that come with the program.
+    #[arg(long, value_name = "FILE")]
+    pub weights: Option<PathBuf>,
     /// Noise of well-seen keypoints in pixels of a picture 1920 wide.
     #[arg(long, default_value_t = 8.0, value_name = "PX")]
     pub noise_px: f32,
@@ -66,7 +70,7 @@ struct Work {
     name: String,
     views: usize,
     first: u64,
-    prior: PriorSource,
+    prior: Arc<ScenePrior>,
     observe: ObserveConfig,
 }
 
@@ -79,11 +83,12 @@ pub fn run(arguments: &EstimationArguments) -> anyhow::Result<Ended> {
     let folder = OutputFolder::claim(&arguments.out, false)?;
     let observe = ObserveConfig { noise_px: arguments.noise_px.max(0.0), ..ObserveConfig::default() };
     let seed = Seed::root(arguments.common.seed);
+    let prior = Arc::new(ScenePrior::of(arguments.prior, arguments.weights.as_deref())?);
     let places = places(arguments)?;
     let views = arguments.views.div_ceil(places.len().max(1));
     let mut results: Vec<CaseResult> = Vec::new();
     for (index, place) in places.iter().enumerate() {
-        let work = work(place, views, (index * views) as u64, arguments.prior, observe)?;
+        let work = work(place, views, (index * views) as u64, prior.clone(), observe)?;
         let seed = seed.child("room", index as u64);
         let job = move |cx: &JobCtx| of_room(&work, cx);
         let Some(of_room) = run_job("evaluate estimation", seed, arguments.common.quiet, job)? else {
@@ -126,13 +131,13 @@ fn work(
     place: &Place,
     views: usize,
     first: u64,
-    prior: PriorSource,
+    prior: Arc<ScenePrior>,
     observe: ObserveConfig,
 ) -> anyhow::Result<Work> {
     let (room, staged, name) = match place {
         Place::Room(path) => {
             let loaded = load::load(Some(path), &crate::scene::ImportOptions::default())?;
-            let room = std::sync::Arc::unwrap_or_clone(loaded.room);
+            let room = Arc::unwrap_or_clone(loaded.room);
             (room, None, stem(path).unwrap_or(loaded.path))
         }
         Place::Corpus(folder, entry) => {
@@ -161,10 +166,11 @@ fn of_room(work: &Work, cx: &JobCtx) -> Result<Vec<CaseResult>, Stop> {
     };
     let sensor = Sensor::new(&work.room, &geometry);
     // Other people than those who are estimated: another branch of the seeds.
-    let prior = ScenePrior::new(work.prior, &work.room, &sensor, cx.seed.child("scene prior", 0), cx.ticker())?;
+    let prior = work.prior.in_room(&work.room, &sensor, cx.seed.child("scene prior", 0), cx.ticker())?;
     cx.stage("asking the scene", cases.len())?;
     for case in &mut cases {
-        case.scene_code = prior.code(&case.view, case.number);
+        let image = case.image.take().unwrap_or_else(|| sensor.scene_image(&case.view));
+        case.scene_code = prior.code(&image, case.number);
         cx.advance()?;
     }
     cx.stage("estimating people", cases.len())?;
@@ -177,7 +183,6 @@ fn people(
     cx: &JobCtx,
 ) -> Result<Vec<(BodyParams, PoseFamily)>, Stop> {
     let request = PopulateRequest { people: PEOPLE, ..PopulateRequest::default() };
-    let found =
-        populate(&work.room, geometry, &request, &JobCtx::watched(cx.seed, cx.ticker().clone()))?;
+    let found = populate(&work.room, geometry, &request, &JobCtx::watched(cx.seed, cx.ticker().clone()))?;
     Ok(found.people.into_iter().map(|p| (p.person.body, p.person.family)).collect())
 }

@@ -39,6 +39,7 @@ pub fn cases_of_room(
                 family: *family,
                 truth,
                 view,
+                image: None,
                 scene_code: [0.0; POSE],
             });
         }
@@ -61,6 +62,7 @@ pub fn cases_of_corpus(room: &CorpusRoom, kind: ViewKind, most: usize, first: u6
             family: person.family,
             truth: person.params(body),
             view: view.view,
+            image: Some(view.scene_image()),
             scene_code: [0.0; POSE],
         }
     };

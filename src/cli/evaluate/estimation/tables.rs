@@ -51,18 +51,23 @@ pub fn markdown(summary: &Summary) -> String {
 }
 
 fn groups_and_worst(summary: &Summary) -> String {
-    let mut text = String::from(
-        "\n| V2V of people who | views | SMPLify-X | PROX | ours |\n|---|---|---|---|---|\n",
-    );
+    let mut text =
+        String::from("\n| V2V of people who | views | SMPLify-X | PROX | ours |\n|---|---|---|---|---|\n");
     for group in &summary.groups {
         let errors: String = group.v2v_mm.iter().map(|v| format!(" {v:.1} |")).collect();
         text += &format!("| {} | {} |{errors}\n", group.group, group.cases);
     }
-    text += "\n| worst of ours | does | keypoints | V2V: SMPLify-X | PROX | ours |\n|---|---|---|---|---|---|\n";
+    text +=
+        "\n| worst of ours | does | keypoints | V2V: SMPLify-X | PROX | ours |\n|---|---|---|---|---|---|\n";
     for case in &summary.worst {
         let errors: String = case.errors.iter().map(|e| format!(" {:.0} |", e.v2v_mm)).collect();
-        text +=
-            &format!("| {}, view {} | {} | {} |{errors}\n", case.room, case.number, case.family.label(), case.points);
+        text += &format!(
+            "| {}, view {} | {} | {} |{errors}\n",
+            case.room,
+            case.number,
+            case.family.label(),
+            case.points
+        );
     }
     text
 }
@@ -78,7 +83,8 @@ pub fn csv(results: &[CaseResult]) -> String {
     text += "\n";
     for case in results {
         let room = case.room.replace(['"', ','], "_");
-        text += &format!("{room},{},{},{},{:.3}", case.number, case.family.label(), case.points, case.depth_m);
+        text +=
+            &format!("{room},{},{},{},{:.3}", case.number, case.family.label(), case.points, case.depth_m);
         for (e, px) in case.errors.iter().zip(&case.reprojection_px) {
             text += &format!(
                 ",{:.2},{:.2},{:.2},{:.2},{px:.2}",
