@@ -4,7 +4,9 @@ use std::ops::ControlFlow;
 
 use inhabit::assets::{Budget, KeypointSet, read_keypoints_bytes, read_model_bytes, sample_rooms};
 use inhabit::body::Body;
-use inhabit::evolve::{EstimateRequest, EstimatorKind, PopulateRequest, estimate_person, mean_code, populate};
+use inhabit::evolve::{
+    EstimateRequest, EstimatorKind, PopulateRequest, estimate_person, mean_code, populate,
+};
 use inhabit::inspect::{EstimateErrors, Limits};
 use inhabit::job::{JobCtx, Seed, Ticker};
 use inhabit::learn::estimation::{Case, ObserveConfig, Observer, cases_of_room, study_room, summarise};
@@ -39,7 +41,8 @@ fn a_study_repeats_on_any_number_of_threads_and_the_room_helps() {
     let study = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         let config = ObserveConfig::default();
-        pool.install(|| study_room(&geometry, &cases, &config, Seed::root(1), &Ticker::silent())).expect("study")
+        pool.install(|| study_room(&geometry, &cases, &config, Seed::root(1), &Ticker::silent()))
+            .expect("study")
     };
     let results = study(2);
     assert!(results.len() >= 2, "cameras see people");
