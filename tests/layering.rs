@@ -48,6 +48,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("rfd", &["app"]),
     ("wgpu", &["render", "app"]),
     ("burn", &["nn", "learn"]),
+    ("plotters", &["render"]),
     ("anyhow", &["app", "cli"]),
     ("std::fs", &["assets", "document", "cli"]),
 ];

@@ -1,7 +1,10 @@
-//! Proposals of people for a room: affordance search over support surfaces, heights, clearance and facing.
+//! Proposals of people for a room: what a camera sees of it ([`sensor`]), and affordance search over support
+//! surfaces, heights, clearance and facing.
 //!
 //! May not name `fit` or `motion`, nor move vertices by gradient: what comes out is ranked starts for the
 //! fitter. Deterministic for a given seed, whatever the number of threads.
+
+pub mod sensor;
 
 mod cells;
 mod floor_places;
@@ -11,5 +14,7 @@ mod pose;
 mod search;
 mod seat_places;
 
-pub use place::Place;
-pub use search::{Proposal, SearchRequest, search};
+pub use cells::Cells;
+pub use place::{Place, support_name};
+pub use search::{Proposal, SearchRequest, all_places, search};
+pub use seat_places::seat_family;

@@ -1,13 +1,20 @@
-//! What is wrong, where, against which limit: metrics of bodies and the findings made from them.
+//! What is wrong, where, against which limit: metrics of bodies and the findings made from them; and PSI's metrics
+//! of whole sets of bodies.
 //!
 //! May name `math`, `scene`, `body`. Only measures: changes nothing, hides nothing. One record feeds the
 //! worst-first table, the heat map and the JSON report. NaN is always an error.
 
+mod alignment;
 mod body;
+mod diversity;
 mod finding;
 mod hull;
+mod representation;
 mod surface;
 
+pub use alignment::{EstimateErrors, Similarity, mean_distance_mm};
 pub use body::{BodyMetrics, BodyReport, CONTACT_M, inspect_body};
+pub use diversity::{Diversity, FEATURES, diversity, entropy_nats};
 pub use finding::{Finding, Limits, Metric, Site};
+pub use representation::{Reconstruction, kl_divergence_nats};
 pub use surface::{BodySolid, surface_samples};

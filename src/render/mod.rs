@@ -1,8 +1,10 @@
 //! Draws a scene: wgpu in a window or headless, or a small ray caster on the processor where there is no
-//! adapter at all. `&Scene` and camera in, texture or pixels out.
+//! adapter at all. `&Scene` and camera in, texture or pixels out; and charts of numbers ([`plot`]).
 //!
 //! May name `math`, `assets`, `scene`, `body`, `inspect` and wgpu; never egui, never the document. Writes no
 //! file: pictures are returned as pixels.
+
+pub mod plot;
 
 mod context;
 mod cpu;

@@ -4,6 +4,8 @@
 //! builder ends with a poor tree, so every box is grown by a seeded random amount below
 //! [`MAX_JITTER_M`] first. Boxes only ever grow: no hit is lost and none moves.
 
+mod packet;
+
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb as TreeBox;
 use obvhs::bvh2::Bvh2;
@@ -13,6 +15,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::step::{Pace, Step, Stopped, unwatched};
 use super::tree::tree_of;
+
+pub use packet::{PACKET, PacketCaster, PacketHits};
 
 /// Largest growth of a triangle's box before building: breaks the ties of axis-aligned tilings, and is
 /// small against any triangle that matters.

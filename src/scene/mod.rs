@@ -21,7 +21,7 @@ mod step;
 mod support;
 mod tree;
 
-pub use bvh::{Closest, Hit, TriangleBvh, closest_on_triangle};
+pub use bvh::{Closest, Hit, PACKET, PacketCaster, PacketHits, TriangleBvh, closest_on_triangle};
 pub use camera::Camera;
 pub use category::Category;
 pub use export::model_from_room;
