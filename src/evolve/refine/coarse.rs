@@ -19,6 +19,8 @@ const TURNS: [f32; 12] = [0.0, -14.0, 14.0, -30.0, 30.0, -55.0, 55.0, -85.0, 85.
 const LIFTS_M: [f32; 5] = [0.0, 0.015, -0.015, 0.035, 0.06];
 /// Moves tried around one of the room's places, forwards and sideways, metres.
 const SHIFTS_M: [(f32, f32); 5] = [(0.0, 0.0), (0.06, 0.0), (-0.06, 0.0), (0.0, 0.06), (0.0, -0.06)];
+/// Places farther from the sample than this are tried at one position only, metres.
+const FINE_M: f32 = 1.2;
 /// A move of this far costs 1.
 const MOVE_M: f32 = 0.4;
 /// A turn of this far costs 1, degrees.
@@ -219,7 +221,10 @@ impl<'a> Coarse<'a> {
             let moving = reach.price() * (apart_m / MOVE_M + yaw_deg.abs() / TURN_DEG) + less_inviting;
             Pose { pelvis, yaw_deg, moving, place: Some(place) }
         };
-        self.places.iter().filter(fits).flat_map(|p| SHIFTS_M.map(|s| pose(p, s))).collect()
+        let near = |p: &Place| flat(sample.pelvis).distance(flat(p.under_pelvis)) < FINE_M;
+        let shifts = |p: &Place| if near(p) { SHIFTS_M.len() } else { 1 };
+        let poses = |p: &'a Place| SHIFTS_M[..shifts(p)].iter().map(move |s| (p, *s));
+        self.places.iter().filter(fits).flat_map(poses).map(|(place, shift)| pose(place, shift)).collect()
     }
 
     /// The best height at a position, if any costs less than `limit`.
