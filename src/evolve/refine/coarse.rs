@@ -223,7 +223,7 @@ impl<'a> Coarse<'a> {
         };
         let near = |p: &Place| flat(sample.pelvis).distance(flat(p.under_pelvis)) < FINE_M;
         let shifts = |p: &Place| if near(p) { SHIFTS_M.len() } else { 1 };
-        let poses = |p: &'a Place| SHIFTS_M[..shifts(p)].iter().map(move |s| (p, *s));
+        let poses = |p: &'a Place| SHIFTS_M.into_iter().take(shifts(p)).map(move |s| (p, s));
         self.places.iter().filter(fits).flat_map(poses).map(|(place, shift)| pose(place, shift)).collect()
     }
 
