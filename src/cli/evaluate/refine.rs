@@ -110,11 +110,11 @@ pub fn run(arguments: &RefineArguments) -> anyhow::Result<Ended> {
         let name = path.file_stem().map_or_else(|| loaded.path.clone(), |n| n.to_string_lossy().into_owned());
         let work = move |cx: &JobCtx| one_room(&room, &name, people, preset, cx);
         let seed = Seed::root(arguments.common.seed);
-        let Some(of_room) = run_job("evaluate refine", seed, arguments.common.quiet, work)? else {
+        let Some(mut of_room) = run_job("evaluate refine", seed, arguments.common.quiet, work)? else {
             return Ok(Ended::Interrupted);
         };
-        report.rows.extend(of_room.report.rows);
-        report.beyond_rescue.extend(of_room.report.beyond_rescue);
+        report.rows.append(&mut of_room.report.rows);
+        report.beyond_rescue.append(&mut of_room.report.beyond_rescue);
         if let Some(folder) = &folder {
             for index in 0..arguments.pictures.min(of_room.refined.len()) {
                 draw(folder, &loaded.room, &of_room, index, first_picture + index)?;
