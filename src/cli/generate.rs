@@ -9,19 +9,18 @@ use glam::Vec3;
 
 use super::load::{self, Loaded};
 use super::output::OutputFolder;
-use super::people::person_glb;
 use super::pictures::Photographer;
 use super::progress::run_job;
 use super::report::{BodyRow, GenerateReport, Seconds, Summary};
 use super::{Common, Ended, Method, WindowArguments, use_threads};
+use crate::assets::Weights;
 use crate::body::Body;
 use crate::document::{Project, save_project};
-use crate::assets::Weights;
 use crate::evolve::{LearnedRequest, PopulateRequest, Populated, populate, populate_learned};
 use crate::generate::learned::{LearnedMethod, LearnedSampler};
 use crate::job::{JobCtx, Seed};
 use crate::nn::psi::PsiMethod;
-use crate::render::BodySurface;
+use crate::render::{BodySurface, person_glb};
 use crate::scene::{Person, PoseFamily, RoomGeometry, Scene};
 
 /// How many people come when nobody says.

@@ -2,10 +2,10 @@ use glam::{Affine3A, Mat3, Vec3};
 use rand::RngExt as _;
 use rayon::prelude::*;
 
+use crate::assets::content_hash;
 use crate::body::joints::BODY_JOINTS;
 use crate::body::{Body, BodyModel, BodyPose, Workspace};
 use crate::generate::sensor::{Projection, SIDE, Valid, View};
-use crate::assets::content_hash;
 use crate::job::{Rng, Seed};
 use crate::learn::corpus::{Corpus, CorpusPerson, CorpusView, Split};
 use crate::learn::mirrored;
@@ -92,7 +92,12 @@ impl PsiData {
     /// ever seen in training.
     pub fn from_corpus(corpus: Corpus) -> Self {
         let text = corpus.manifest.to_ron().unwrap_or_default();
-        let id = format!("{}, seed {}, {:032x}", corpus.manifest.about, corpus.manifest.seed, content_hash(text.as_bytes()));
+        let id = format!(
+            "{}, seed {}, {:032x}",
+            corpus.manifest.about,
+            corpus.manifest.seed,
+            content_hash(text.as_bytes())
+        );
         let mut data = Self { id, ..Self::default() };
         for (room, of) in corpus.rooms.into_iter().enumerate().filter(|(_, r)| r.split != Split::Test) {
             let first = data.views.len();
@@ -107,7 +112,8 @@ impl PsiData {
                 };
                 let mut body = PsiBody::new(room, params, &person.body_pose, Vec::new());
                 let joints = joints_of(&body.params);
-                let shows = |v: usize| of.views[v].body == i || pictures[v].visible_share(&joints) >= SEEN_SHARE;
+                let shows =
+                    |v: usize| of.views[v].body == i || pictures[v].visible_share(&joints) >= SEEN_SHARE;
                 body.views = (0..pictures.len()).filter(|v| shows(*v)).map(|v| first + v).collect();
                 body
             };
