@@ -4,6 +4,7 @@
 //! window is opened by `main`, which asks [`parse`] what to do.
 
 mod convert;
+mod evaluate;
 mod generate;
 mod import;
 mod inspect;
@@ -87,6 +88,8 @@ pub enum Command {
     Generate(generate::GenerateArguments),
     /// Learn from data; now the pose prior.
     Train(train::TrainArguments),
+    /// Measure the methods and print the papers' tables.
+    Evaluate(evaluate::EvaluateArguments),
     /// Convert a room, layout or project to another format.
     Convert(convert::ConvertArguments),
 }
@@ -136,6 +139,7 @@ pub fn run(command: Command) -> ExitCode {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Train(arguments) => train::run(&arguments),
+        Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
     };
     exit_code(result)
