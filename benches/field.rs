@@ -4,13 +4,16 @@
 //! `FIELD_ROOM_OUT=room.stl cargo bench --bench field` writes the room first.
 
 use std::ops::ControlFlow;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
+use inhabit::assets::{Material, Mesh, Model, Part};
 use inhabit::math::Aabb;
-use inhabit::scene::{FieldConfig, Resolution, SignedDistanceField, TriangleBvh, bake};
+use inhabit::scene::{FieldConfig, GeometryConfig, ImportOptions, Resolution, RoomGeometry};
+use inhabit::scene::{SignedDistanceField, Step, TriangleBvh, bake, understand};
 
 #[path = "../src/scene/field/test_room.rs"]
 mod test_room;
@@ -25,8 +28,61 @@ fn main() {
     if let Some(path) = std::env::var_os("FIELD_ROOM_OUT") {
         std::fs::write(path, stl(&test_room::triangles(TRIANGLES))).expect("the room's file is writable");
     }
+    if std::env::var_os("CANCEL").is_some() {
+        cancel_latency();
+        return;
+    }
     accuracy();
     divan::main();
+}
+
+/// How long the work on a room of a million triangles goes on after it was told to stop, at 24 moments of
+/// each stage: `CANCEL=1 cargo bench --bench field`.
+fn cancel_latency() {
+    let triangles = test_room::triangles(1_000_000);
+    let config = GeometryConfig::default();
+    let model = model(&triangles);
+    latency("understanding the file", &|step| understand(&model, &ImportOptions::default(), step).is_ok());
+    latency("distance field", &|step| bake(&triangles, &config.field, step).is_ok());
+    let field = bake(&triangles, &config.field, &go_on).expect("not stopped");
+    latency("tree, surfaces, floor", &|step| {
+        RoomGeometry::from_field(triangles.clone(), Vec::new(), field.clone(), &config, step).is_ok()
+    });
+}
+
+fn latency(name: &str, work: &dyn Fn(Step) -> bool) {
+    let begun = Instant::now();
+    assert!(work(&go_on));
+    let whole = begun.elapsed();
+    let mut worst = (Duration::ZERO, Duration::ZERO);
+    for moment in 1..=24_u32 {
+        let (begun, until) = (Instant::now(), whole * moment / 25);
+        let stop = |_, _| if begun.elapsed() < until { go_on(0, 0) } else { ControlFlow::Break(()) };
+        if work(&stop) {
+            continue;
+        }
+        let late = begun.elapsed().saturating_sub(until);
+        worst = worst.max((late, until));
+    }
+    println!("{name}: {whole:.1?} in all; worst {:.0?} after a cancel at {:.1?}", worst.0, worst.1);
+}
+
+/// A model of one mesh without names, as a scan is.
+fn model(triangles: &[[Vec3; 3]]) -> Model {
+    let positions = triangles.iter().flatten().copied().collect();
+    let corners = (0..triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let mesh = Mesh { positions, triangles: corners, ..Mesh::default() };
+    let part = Part {
+        name: String::new(),
+        node: 0,
+        path: Vec::new(),
+        mesh: Arc::new(mesh),
+        material: 0,
+        file_from_mesh: Affine3A::IDENTITY,
+        extras: None,
+    };
+    let (parts, materials) = (vec![part], vec![Material::default()]);
+    Model { name: "room.ply".to_owned(), parts, materials, ..Model::default() }
 }
 
 fn go_on(_: usize, _: usize) -> ControlFlow<()> {

@@ -82,9 +82,8 @@ pub fn run(options: AppOptions) -> anyhow::Result<()> {
         .map_err(|error| anyhow::anyhow!("the window can't be opened: {error}"))?;
     let taken = result.lock().unwrap_or_else(PoisonError::into_inner).take();
     match taken {
-        Some(Ok(())) => Ok(()),
         Some(Err(why)) => Err(anyhow::anyhow!(why)),
         None if photographs => Err(anyhow::anyhow!("the window was closed before its picture was taken")),
-        None => Ok(()),
+        Some(Ok(())) | None => Ok(()),
     }
 }

@@ -34,7 +34,7 @@ use crate::scene::ImportOptions;
 use crate::scene::Room;
 use crate::scene::RoomGeometry;
 use crate::scene::Scene;
-use crate::scene::room_from_model;
+use crate::scene::understand;
 
 /// The program's own engine.
 #[derive(Default)]
@@ -52,9 +52,9 @@ impl Engine for RealEngine {
             Source::File(path, choice) => {
                 let model = read_model(path, &Budget::default())?;
                 ticker.stage("understanding", 0)?;
-                Ok(understood(&model, source, *choice))
+                understood(&model, source, *choice, ticker)
             }
-            Source::Sample(number) => open_sample(*number, source),
+            Source::Sample(number) => open_sample(*number, source, ticker),
         }
     }
 
@@ -65,11 +65,7 @@ impl Engine for RealEngine {
 
     fn geometry(&self, room: &Room, ticker: &Ticker) -> Result<RoomGeometry, Stop> {
         ticker.stage("rays, distances, surfaces", 0)?;
-        let step = |done: usize, total: usize| match ticker.step(done, total) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(_) => ControlFlow::Break(()),
-        };
-        RoomGeometry::build(room, &GeometryConfig::default(), &step).map_err(|_| Stop::Cancelled)
+        RoomGeometry::build(room, &GeometryConfig::default(), &asks(ticker)).map_err(|_| Stop::Cancelled)
     }
 
     fn populate(&self, task: &PopulateTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop> {
@@ -114,12 +110,20 @@ impl Engine for RealEngine {
     }
 }
 
-fn open_sample(number: usize, source: &Source) -> Result<Opened, Stop> {
+/// The step of a library function that asks `ticker` whether to go on.
+fn asks(ticker: &Ticker) -> impl Fn(usize, usize) -> ControlFlow<()> + Sync {
+    |done, total| match ticker.step(done, total) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(_) => ControlFlow::Break(()),
+    }
+}
+
+fn open_sample(number: usize, source: &Source, ticker: &Ticker) -> Result<Opened, Stop> {
     let rooms = sample_rooms();
     let sample = rooms.get(number).or(rooms.first());
     let sample = sample.ok_or_else(|| Stop::Failed("no sample room is bundled".to_owned()))?;
     let model = read_model_bytes(&format!("{}.glb", sample.key), sample.glb, &Budget::default())?;
-    let mut opened = understood(&model, source, ImportChoice::default());
+    let mut opened = understood(&model, source, ImportChoice::default(), ticker)?;
     sample.title.clone_into(&mut opened.summary.name);
     if let Some(room) = Arc::get_mut(&mut opened.scene.room) {
         sample.title.clone_into(&mut room.name);
@@ -146,9 +150,9 @@ fn open_project(path: &Path, source: &Source) -> Result<Opened, Stop> {
 }
 
 /// The room that a model is understood as.
-fn understood(model: &Model, source: &Source, choice: ImportChoice) -> Opened {
+fn understood(model: &Model, source: &Source, choice: ImportChoice, ticker: &Ticker) -> Result<Opened, Stop> {
     let options = ImportOptions { unit_scale: choice.unit_m, up: choice.up };
-    let imported = room_from_model(model, &options);
+    let imported = understand(model, &options, &asks(ticker)).map_err(|_| Stop::Cancelled)?;
     let report = imported.report;
     let summary = ImportSummary {
         source: source.clone(),
@@ -162,7 +166,7 @@ fn understood(model: &Model, source: &Source, choice: ImportChoice) -> Opened {
         notes: report.notes,
     };
     let scene = Scene { room: Arc::new(imported.room), people: Vec::new() };
-    Opened { scene, summary, project: None }
+    Ok(Opened { scene, summary, project: None })
 }
 
 fn size_m(room: &Room) -> Vec3 {

@@ -328,7 +328,7 @@ impl EditorState {
             Item::Person(id) => scene
                 .person(id)
                 .map_or(Aabb::EMPTY, |person| Aabb::of(self.engine.pose(&person.body).iter().copied())),
-            Item::Object(id) => scene.room.object(id).map_or(Aabb::EMPTY, |o| o.world_bounds()),
+            Item::Object(id) => scene.room.object(id).map_or(Aabb::EMPTY, crate::scene::Object::world_bounds),
         }
     }
 }

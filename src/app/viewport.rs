@@ -52,7 +52,7 @@ fn navigate(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect) {
     let dragged = |button| response.dragged_by(button);
     let (left, middle, right) =
         (dragged(PointerButton::Primary), dragged(PointerButton::Middle), dragged(PointerButton::Secondary));
-    if (middle && modifiers.shift) || (middle && modifiers.alt) {
+    if middle && (modifiers.shift || modifiers.alt) {
         state.orbit.pan(delta.x, delta.y, rect.height());
     } else if middle || (left && modifiers.alt) {
         state.orbit.turn(delta.x, delta.y);

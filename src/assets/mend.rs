@@ -67,7 +67,7 @@ pub(super) fn mended(mut mesh: Mesh) -> (Mesh, Dropped) {
         *normal = normal.normalize_or(Vec3::Y);
     }
     if mesh.normals.is_empty() {
-        mesh = with_normals(mesh);
+        mesh = with_normals(&mesh);
     }
     (mesh, dropped)
 }
@@ -124,11 +124,11 @@ fn welded(positions: &[Vec3]) -> Vec<u32> {
 
 /// Adds angle-weighted normals (Thürmer & Wüthrich 1998) that stay hard across creases; vertices at a crease
 /// are split.
-fn with_normals(mesh: Mesh) -> Mesh {
+fn with_normals(mesh: &Mesh) -> Mesh {
     let place_of = welded(&mesh.positions);
     let (weighted, units): (Vec<[Vec3; 3]>, Vec<Vec3>) =
         (0..mesh.triangles.len()).into_par_iter().map(|t| corner_normals(mesh.corners(t))).unzip();
-    let (start, corners) = corners_by_place(&mesh, &place_of);
+    let (start, corners) = corners_by_place(mesh, &place_of);
     let around = |t: usize, k: usize| {
         let place = place_of[mesh.triangles[t][k] as usize] as usize;
         &corners[start[place] as usize..start[place + 1] as usize]
@@ -152,12 +152,12 @@ fn with_normals(mesh: Mesh) -> Mesh {
     };
     let normals: Vec<[Vec3; 3]> =
         (0..mesh.triangles.len()).into_par_iter().map(|t| std::array::from_fn(|k| normal_at(t, k))).collect();
-    split_at_creases(&mesh, &normals)
+    split_at_creases(mesh, &normals)
 }
 
 /// The unit normal of a triangle, and it weighted by the angle at each corner; zero for a needle.
 fn corner_normals(corners: [Vec3; 3]) -> ([Vec3; 3], Vec3) {
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
     let unit = (b - a).cross(c - a).normalize_or_zero().as_vec3();
     let angle = |at: glam::DVec3, p: glam::DVec3, q: glam::DVec3| {
         (p - at).normalize_or_zero().dot((q - at).normalize_or_zero()).clamp(-1.0, 1.0).acos() as f32

@@ -8,6 +8,11 @@ pub mod cache;
 mod clips;
 pub mod npz;
 
+mod bvh;
+mod deepmimic;
+mod rig_motion;
+mod weights;
+
 mod budget;
 mod encode;
 mod error;
@@ -25,11 +30,15 @@ mod uri;
 mod write_glb;
 
 pub use budget::Budget;
+pub use bvh::{MotionFileError, read_bvh};
 pub use clips::{CLIP_JOINTS, PoseClip, read_pose_clips};
+pub use deepmimic::read_deepmimic;
 pub use encode::{encode_jpeg, encode_png};
 pub use error::{AssetError, Problem};
 pub use hash::{ContentHasher, NumberHasher, NumberMap, content_hash};
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
 pub use read::{read_model, read_model_bytes};
+pub use rig_motion::{RigJoint, RigMotion};
 pub use samples::{SampleRoom, sample_rooms};
+pub use weights::{Precision, WeightTensor, Weights, WeightsError};
 pub use write_glb::{GlbWriteError, SkinJoint, SkinnedMesh, glb_from_model, glb_from_skinned};

@@ -193,7 +193,7 @@ impl Reader {
         }
         let mut model = Model::default();
         let library = Library::read(&self.libraries, around, &mut model.notes);
-        self.looks(library, around, &mut model)?;
+        self.looks(&library, around, &mut model)?;
         let mut dropped = Dropped::default();
         let by_object = self.objects.names.len() > 2;
         let mut nodes = HashMap::new();
@@ -245,7 +245,7 @@ impl Reader {
     }
 
     /// One material for each name that faces use, defined by the libraries or by name alone.
-    fn looks(&self, library: Library, around: Surroundings, model: &mut Model) -> Result<(), Fault> {
+    fn looks(&self, library: &Library, around: Surroundings, model: &mut Model) -> Result<(), Fault> {
         let mut pictures = Vec::new();
         let mut picture_of: HashMap<String, Option<usize>> = HashMap::new();
         let mut undefined = 0;

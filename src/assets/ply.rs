@@ -374,7 +374,7 @@ impl Raw {
             for p in &element.properties {
                 match (p.length, p.name.as_str()) {
                     (Some(length), "vertex_indices" | "vertex_index") => {
-                        body.list(length, p.value, &mut corners)?
+                        body.list(length, p.value, &mut corners)?;
                     }
                     (Some(length), "texcoord") => body.list(length, p.value, &mut uvs)?,
                     (Some(length), _) => body.list(length, p.value, &mut unused)?,

@@ -98,13 +98,13 @@ mod tests {
     fn a_star_and_a_degenerate_polygon_end() {
         let star: Vec<Vec3> = (0..100)
             .map(|i| {
-                let (radius, angle) = (if i % 2 == 0 { 1.0 } else { 0.4 }, i as f32 * -0.062_831_855);
+                let (radius, angle) = (if i % 2 == 0 { 1.0 } else { 0.4 }, i as f32 * -0.062_831_85);
                 Vec3::new(radius * angle.cos(), 0.0, radius * angle.sin())
             })
             .collect();
         let triangles = triangulated(&star);
         assert_eq!(triangles.len(), 98);
-        let expected = 50.0 * 0.4 * 0.062_831_855_f32.sin();
+        let expected = 50.0 * 0.4 * 0.062_831_85_f32.sin();
         assert!((area(&star, &triangles) - expected).abs() < 1e-3);
         assert_eq!(triangulated(&[Vec3::ZERO; 7]).len(), 5);
         assert_eq!(triangulated(&[Vec3::ZERO; 2]).len(), 0);

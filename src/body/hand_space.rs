@@ -20,7 +20,37 @@ pub struct HandSpace {
     pub directions: Vec<[Vec3; HAND_JOINTS]>,
 }
 
+/// Why a hand space can't be used.
+#[derive(Debug, thiserror::Error)]
+pub enum HandSpaceError {
+    /// Not the text it should be.
+    #[error("hand space: {0}; make the file again with `inhabit train hand-space`")]
+    Syntax(#[from] ron::error::SpannedError),
+    /// Too few directions.
+    #[error(
+        "hand space: {HAND_CODE} directions are needed; make the file again with `inhabit train hand-space`"
+    )]
+    Incomplete,
+}
+
 impl HandSpace {
+    /// Reads the RON text of a hand space.
+    ///
+    /// # Errors
+    /// [`HandSpaceError`].
+    pub fn from_ron(text: &str) -> Result<Self, HandSpaceError> {
+        let hands: Self = ron::from_str(text)?;
+        if hands.is_complete() { Ok(hands) } else { Err(HandSpaceError::Incomplete) }
+    }
+
+    /// The RON text of a hand space.
+    ///
+    /// # Errors
+    /// What the serialiser says; it never fails on numbers.
+    pub fn to_ron(&self) -> Result<String, ron::Error> {
+        ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::new().depth_limit(2))
+    }
+
     /// Whether there is one direction for every code number.
     pub fn is_complete(&self) -> bool {
         self.directions.len() == HAND_CODE
@@ -65,4 +95,20 @@ impl HandSpace {
 
 fn dot(a: &[Vec3; HAND_JOINTS], b: &[Vec3; HAND_JOINTS]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_space_survives_a_round_trip_and_a_short_file_is_refused() {
+        let text = include_str!("../../assets/body/hand_space.ron");
+        let mut hands = HandSpace::from_ron(text).expect("bundled");
+        assert_eq!(HandSpace::from_ron(&hands.to_ron().expect("text")).expect("round trip"), hands);
+        hands.directions.pop();
+        let short = HandSpace::from_ron(&hands.to_ron().expect("text"));
+        assert!(matches!(short, Err(HandSpaceError::Incomplete)));
+        assert!(matches!(HandSpace::from_ron("(mean:"), Err(HandSpaceError::Syntax(_))));
+    }
 }

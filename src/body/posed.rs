@@ -3,6 +3,7 @@ use std::sync::OnceLock;
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
+use crate::assets::Weights;
 use crate::assets::npz::Npz;
 use crate::scene::BodyParams;
 
@@ -10,13 +11,15 @@ use super::hand_space::HandSpace;
 use super::joints::JOINTS;
 use super::model::BodyModel;
 use super::parts::BodyParts;
-use super::pose_space::{PoseSpace, PoseStatistics};
+use super::pose_decoder::PoseDecoder;
+use super::pose_space::{BodyPose, PoseSpace};
 use super::regions::ContactRegions;
 use super::subset::VertexSubset;
 use super::workspace::Workspace;
 
 const BODY_NPZ: &[u8] = include_bytes!("../../assets/body/body.npz");
-const POSE_STATISTICS: &str = include_str!("../../assets/body/pose_statistics.ron");
+const POSE_PRIOR: &[u8] = include_bytes!("../../assets/networks/pose_prior.safetensors");
+const HAND_SPACE: &str = include_str!("../../assets/body/hand_space.ron");
 
 /// A body model with the spaces its pose codes live in: all that turns 75 numbers into a person.
 pub struct Body {
@@ -64,8 +67,10 @@ impl Body {
                 .map_err(Into::into)
                 .and_then(|npz| BodyModel::from_npz(&npz))
                 .expect("the bundled body is sound");
-            let PoseStatistics { poses, hands } =
-                PoseStatistics::from_ron(POSE_STATISTICS).expect("the bundled pose statistics are sound");
+            let poses = Weights::from_bytes("bundled pose prior", POSE_PRIOR)
+                .and_then(|weights| PoseDecoder::new(&weights, &model.joint_template))
+                .expect("the bundled pose prior is sound");
+            let hands = HandSpace::from_ron(HAND_SPACE).expect("the bundled hand space is sound");
             Self::new(model, Box::new(poses), hands)
         })
     }
@@ -79,6 +84,14 @@ impl Body {
     pub fn pose(&self, params: &BodyParams) -> Posed {
         let mut workspace = Workspace::default();
         self.forward(params, &self.all, &mut workspace);
+        let (vertices, joints, rotations) = workspace.into_parts();
+        Posed { vertices, joints, rotations }
+    }
+
+    /// Poses the whole body with these axis-angles of the body joints in place of the pose code.
+    pub fn pose_axis_angles(&self, params: &BodyParams, pose: &BodyPose) -> Posed {
+        let mut workspace = Workspace::default();
+        self.forward_posed(params, pose, &self.all, &mut workspace);
         let (vertices, joints, rotations) = workspace.into_parts();
         Posed { vertices, joints, rotations }
     }

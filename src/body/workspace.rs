@@ -12,7 +12,7 @@ use crate::scene::{BETAS, BodyParams, HANDS, PARAMS, POSE};
 
 use super::hand_space::HAND_JOINTS;
 use super::joints::{BODY_JOINTS, JOINTS, LEFT_HAND, PARENTS, RIGHT_HAND};
-use super::pose_space::BodyPose;
+use super::pose_space::{BodyPose, PoseTape};
 use super::posed::Body;
 use super::subset::{self, BLOCK, Block, LANES, VertexSubset};
 
@@ -20,6 +20,7 @@ use super::subset::{self, BLOCK, Block, LANES, VertexSubset};
 #[derive(Clone, Debug)]
 pub struct Workspace {
     params: BodyParams,
+    tape: PoseTape,
     vertices: Vec<Vec3>,
     joints: [Vec3; JOINTS],
     local_pose: [Vec3; JOINTS],
@@ -68,6 +69,7 @@ impl Default for Workspace {
             Affine { rotation: Mat3A::IDENTITY, transposed: Mat3A::IDENTITY, translation: Vec3A::ZERO };
         Self {
             params: BodyParams::default(),
+            tape: PoseTape::default(),
             vertices: Vec::new(),
             joints: ZERO_JOINTS,
             local_pose: ZERO_JOINTS,
@@ -168,10 +170,16 @@ impl Body {
 
     /// Poses the joints alone: a few microseconds.
     pub fn forward_joints(&self, params: &BodyParams, workspace: &mut Workspace) {
+        let pose = self.pose_space.decode_taped(&params.pose, &mut workspace.tape);
+        self.forward_axis_angles(params, &pose, workspace);
+    }
+
+    /// Poses the joints with these axis-angles of the body joints in place of the pose code.
+    fn forward_axis_angles(&self, params: &BodyParams, pose: &BodyPose, workspace: &mut Workspace) {
         let ws = workspace;
         ws.params.clone_from(params);
         ws.rest_joints = self.model.rest_joints(&params.betas);
-        ws.local_pose[1..=BODY_JOINTS].copy_from_slice(&self.pose_space.decode(&params.pose));
+        ws.local_pose[1..=BODY_JOINTS].copy_from_slice(pose);
         let [left, right] = self.hand_space.decode(&params.hands);
         ws.local_pose[LEFT_HAND..RIGHT_HAND].copy_from_slice(&left);
         ws.local_pose[RIGHT_HAND..].copy_from_slice(&right);
@@ -180,6 +188,20 @@ impl Body {
             ws.local[j] = rotation::matrix_from_axis_angle(ws.local_pose[j]);
         }
         ws.move_joints();
+    }
+
+    /// As [`Body::forward`] with these axis-angles of the body joints in place of the pose code: for captured poses.
+    /// No gradient can be taken back from it.
+    pub fn forward_posed(
+        &self,
+        params: &BodyParams,
+        pose: &BodyPose,
+        subset: &VertexSubset,
+        workspace: &mut Workspace,
+    ) {
+        self.forward_axis_angles(params, pose, workspace);
+        workspace.shape_vertices(subset);
+        workspace.skin_vertices(subset);
     }
 
     /// Gradient with respect to the 75 numbers of a function of the last forward pass's vertices, joints and
@@ -211,7 +233,7 @@ impl Body {
             joints.position[0],
             rotation::pull_back_6d(&params.rotation6, &root),
             betas,
-            self.pose_space.pull_back(&params.pose, &body),
+            self.pose_space.pull_back_taped(&params.pose, &workspace.tape, &body),
             self.hand_space.pull_back(&hands),
         )
     }

@@ -49,7 +49,7 @@ pub fn run(arguments: &ConvertArguments) -> anyhow::Result<Ended> {
         let scene = Scene { room: loaded.room, people: loaded.people };
         match ending(output).as_str() {
             "glb" => write(output, &assets::glb_from_model(&model_from_room(&scene.room))?)?,
-            "ron" | "inhabit" => save_project(output, &project(scene))?,
+            "ron" | "inhabit" => save_project(output, &Project::of_scene(scene))?,
             other => bail!("{}: `{other}` is not written; choose .glb, .ron or .inhabit", output.display()),
         }
     }
@@ -57,12 +57,6 @@ pub fn run(arguments: &ConvertArguments) -> anyhow::Result<Ended> {
         println!("{}", output.display());
     }
     Ok(Ended::Clean)
-}
-
-fn project(scene: Scene) -> Project {
-    let next_person = scene.people.iter().map(|p| p.id.0 + 1).max().unwrap_or(0);
-    let next_object = scene.room.objects.iter().map(|o| o.id.0 + 1).max().unwrap_or(0);
-    Project { scene, next_person, next_object }
 }
 
 fn compose_layout(input: &Path, furniture: Option<&Path>) -> anyhow::Result<Vec<u8>> {

@@ -182,9 +182,7 @@ fn compute(arguments: &GenerateArguments, loaded: &Loaded) -> anyhow::Result<Opt
 
 /// Writes the project with its room, and everybody in it.
 fn write_scene(folder: &OutputFolder, scene: &Scene) -> anyhow::Result<()> {
-    let next_person = scene.people.iter().map(|p| p.id.0 + 1).max().unwrap_or(0);
-    let next_object = scene.room.objects.iter().map(|o| o.id.0 + 1).max().unwrap_or(0);
-    let project = Project { scene: scene.clone(), next_person, next_object };
+    let project = Project::of_scene(scene.clone());
     save_project(&folder.root().join("project.ron"), &project)?;
     let surface = BodySurface::of(Body::bundled());
     for person in &scene.people {

@@ -3,8 +3,10 @@
 //! The contract that scripts rely on: names of commands and fields stay as they are. Never names `app`; the
 //! window is opened by `main`, which asks [`parse`] what to do.
 
+mod clips;
 mod convert;
 mod evaluate;
+mod figures;
 mod generate;
 mod import;
 mod inspect;
@@ -86,10 +88,12 @@ pub enum Command {
     Inspect(inspect::InspectArguments),
     /// Put people into a room and write them, a report and pictures.
     Generate(generate::GenerateArguments),
-    /// Learn from data; now the pose prior.
-    Train(train::TrainArguments),
-    /// Measure the methods and print the papers' tables.
-    Evaluate(evaluate::EvaluateArguments),
+    /// Learn from data.
+    #[command(subcommand)]
+    Train(train::Train),
+    /// Say how good something is: tables and pictures.
+    #[command(subcommand)]
+    Evaluate(evaluate::Evaluate),
     /// Convert a room, layout or project to another format.
     Convert(convert::ConvertArguments),
 }
@@ -138,8 +142,8 @@ pub fn run(command: Command) -> ExitCode {
     let result = match command {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
-        Command::Train(arguments) => train::run(&arguments),
-        Command::Evaluate(arguments) => evaluate::run(&arguments),
+        Command::Train(subject) => train::run(&subject),
+        Command::Evaluate(subject) => evaluate::run(&subject),
         Command::Convert(arguments) => convert::run(&arguments),
     };
     exit_code(result)

@@ -23,7 +23,7 @@ pub fn run_job<T: Send + 'static>(
 ) -> anyhow::Result<Option<T>> {
     let interrupted = interrupt_flag();
     let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
-    bar.set_style(ProgressStyle::with_template("{msg:<28} {wide_bar} {pos}/{len} {elapsed}")?);
+    bar.set_style(ProgressStyle::with_template("{msg:<28} {wide_bar} {pos}/{len} {elapsed}, {eta} left")?);
     let mut job = Job::<T>::spawn(name, seed, || (), work);
     loop {
         if let Some(outcome) = job.poll() {

@@ -14,6 +14,7 @@ use crate::scene::Room;
 
 /// An intent: from a click, a key or a finished job.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "commands are few and live for a moment")]
 pub enum Command {
     /// Opens `room` instead of the present one; the people leave with the old room.
     OpenRoom {

@@ -32,7 +32,7 @@ pub(super) fn decide(state: &State, command: Command) -> Decision {
         Command::AddPeople { people, made_for } => add_people(state, people, made_for),
         Command::ReplacePeople { people, made_for } => replace_people(state, people, made_for),
         Command::RemovePeople(ids) => remove_people(state, &ids),
-        Command::SetBody(id, body) => set_body(state, id, body),
+        Command::SetBody(id, body) => set_body(state, id, &body),
         Command::RenamePerson(id, name) => {
             let name = checked_name(&name)?;
             edit_people(state, &[id], |person| person.name.clone_from(&name))
@@ -92,7 +92,7 @@ fn remove_people(state: &State, ids: &[PersonId]) -> Decision {
     Ok((!gone.is_empty()).then_some(Change::PeopleRemoved(gone)))
 }
 
-fn set_body(state: &State, id: PersonId, body: BodyParams) -> Decision {
+fn set_body(state: &State, id: PersonId, body: &BodyParams) -> Decision {
     let before = people_by_id(state.scene, &[id])?;
     unlocked_people(&before)?;
     let after: Vec<Person> =

@@ -38,6 +38,16 @@ pub struct Project {
     pub next_object: u32,
 }
 
+impl Project {
+    /// A project of a scene that no document ever changed: the next ids follow the largest ones in it.
+    pub fn of_scene(scene: Scene) -> Self {
+        let after = |ids: &mut dyn Iterator<Item = u32>| ids.max().map_or(0, |id| id + 1);
+        let next_person = after(&mut scene.people.iter().map(|p| p.id.0));
+        let next_object = after(&mut scene.room.objects.iter().map(|o| o.id.0));
+        Self { scene, next_person, next_object }
+    }
+}
+
 /// The text of a project.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct ProjectText {

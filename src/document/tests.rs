@@ -321,6 +321,7 @@ fn any_command() -> impl Strategy<Value = Command> {
 }
 
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "forty at most")]
 enum Deed {
     Apply(Command),
     Undo,
@@ -494,4 +495,13 @@ fn settings_survive_a_restart_and_a_broken_file_is_no_reason_to_fail() {
     assert_eq!(Settings::load(&path), settings);
     std::fs::write(&path, "((((").unwrap();
     assert_eq!(Settings::load(&path), Settings::default());
+}
+
+#[test]
+fn a_project_of_a_bare_scene_never_gives_a_number_twice() {
+    let scene = project().scene;
+    let project = Project::of_scene(scene);
+    assert_eq!((project.next_person, project.next_object), (9, 2));
+    let empty = Project::of_scene(Scene::default());
+    assert_eq!((empty.next_person, empty.next_object), (0, 0));
 }

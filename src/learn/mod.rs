@@ -1,6 +1,14 @@
 //! Offline learning: clips and annotations in, statistics and weights out. May not be called from the
 //! document, the renderer or the editor's frame; the command line and jobs run it.
 
-mod pose_statistics;
+mod hand_space;
+mod pose_corpus;
+mod pose_loss;
+mod pose_prior;
 
-pub use pose_statistics::{family_fit, fit_hand_space, fit_pose_gaussian, fit_pose_statistics};
+pub use hand_space::fit_hand_space;
+pub use pose_corpus::{PoseCorpus, PoseCorpusConfig, PoseGroup, mirrored};
+pub use pose_loss::{PoseLoss, PoseLossTerms, PoseLossWeights};
+pub use pose_prior::{
+    PosePriorConfig, PosePriorPoint, ResumeError, SHIPPED_PRECISION, TrainedPosePrior, train_pose_prior,
+};

@@ -50,6 +50,16 @@ impl Adam {
         }
     }
 
+    /// First and second moments, for a checkpoint.
+    pub fn moments(&self) -> (&[f32], &[f32]) {
+        (&self.first, &self.second)
+    }
+
+    /// The state of a checkpoint after `steps` steps.
+    pub fn resume(config: AdamConfig, first: Vec<f32>, second: Vec<f32>, steps: i32) -> Self {
+        Self { config, first, second, steps }
+    }
+
     /// Replaces the step size, for schedules; the moments stay.
     pub fn set_learning_rate(&mut self, learning_rate: f32) {
         self.config.learning_rate = learning_rate;

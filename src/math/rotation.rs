@@ -60,6 +60,30 @@ fn right_jacobian_transposed(v: Vec3, m: Vec3) -> Vec3 {
     m + cross * a + v.cross(cross) * b
 }
 
+/// Gradient of `f(axis_angle_from_matrix(R))` with respect to `R` along rotations (entry by entry; its part that no
+/// rotation can move is zero), given `gradient = df/d axis_angle`.
+///
+/// With `dR = R [δ]x` the axis-angle moves by `Jr⁻¹ δ`, so `df = m·δ` with `m = Jr⁻ᵀ gradient`, which is the gradient
+/// `R [m]x / 2`.
+pub fn pull_back_logarithm(rotation: &Mat3, gradient: Vec3) -> Mat3 {
+    let v = axis_angle_from_matrix(*rotation);
+    let squared = v.length_squared();
+    // 1/θ² - cot(θ/2)/(2θ); its limit at zero is 1/12.
+    let c = if squared < SMALL_LOGARITHM_SQUARED {
+        1.0 / 12.0
+    } else {
+        let angle = squared.sqrt();
+        1.0 / squared - 1.0 / (2.0 * angle * (0.5 * angle).tan())
+    };
+    // Jr⁻¹ = I + [v]x/2 + c [v]x², so its transpose turns the sign of the odd term.
+    let cross = v.cross(gradient);
+    let tangent = gradient - cross * 0.5 + v.cross(cross) * c;
+    *rotation * skew(tangent) * 0.5
+}
+
+/// Below this squared angle the two terms of the logarithm's coefficient cancel in f32, and 1/12 is nearer.
+const SMALL_LOGARITHM_SQUARED: f32 = 1e-3;
+
 /// Rotation matrix of a 6-D vector by Gram-Schmidt (Zhou et al. 2019; PSI's `R`).
 /// Degenerate input (zero or parallel columns) falls back to the nearest axes and is never NaN.
 pub fn matrix_from_6d(six: &[f32; 6]) -> Mat3 {
@@ -135,6 +159,25 @@ mod tests {
                 let f = |v| dot(&matrix_from_axis_angle(v), &WEIGHTS);
                 let numeric = (f(v + e) - f(v - e)) / 2e-2;
                 assert!((analytic[i] - numeric).abs() < 2e-3, "at {v}: {analytic}[{i}] against {numeric}");
+            }
+        }
+    }
+
+    #[test]
+    fn logarithm_gradient_agrees_with_finite_differences() {
+        let gradient = Vec3::new(0.7, -1.3, 0.4);
+        for v in
+            [Vec3::ZERO, Vec3::new(1e-4, 0.0, -2e-4), Vec3::new(0.03, 0.01, 0.0), Vec3::new(0.4, -1.9, 1.6)]
+        {
+            let rotation = matrix_from_axis_angle(v);
+            let analytic = pull_back_logarithm(&rotation, gradient);
+            for axis in Vec3::AXES {
+                let turned = |by: f32| {
+                    axis_angle_from_matrix(rotation * matrix_from_axis_angle(axis * by)).dot(gradient)
+                };
+                let numeric = (turned(1e-2) - turned(-1e-2)) / 2e-2;
+                let along = dot(&analytic, &(rotation * skew(axis)));
+                assert!((along - numeric).abs() < 2e-3, "at {v} about {axis}: {along} against {numeric}");
             }
         }
     }

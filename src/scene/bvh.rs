@@ -6,32 +6,17 @@
 
 mod packet;
 
-use std::ops::ControlFlow;
-use std::time::Duration;
-
 use glam::{Vec3, Vec3A};
-use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb as TreeBox;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::step::{Pace, Step, Stopped, unwatched};
+use super::tree::tree_of;
+
 pub use packet::{PACKET, PacketCaster, PacketHits};
-
-/// Progress of a long function: called at least every 50 ms with `(done, total)`; `Break` stops it.
-pub type Step<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
-
-/// The caller's [`Step`] broke off the work; nothing was changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("stopped on request before it was done; start it again to get a result")]
-pub struct Stopped;
-
-/// Calls `step` and turns `Break` into an error.
-pub(super) fn report(step: Step, done: usize, total: usize) -> Result<(), Stopped> {
-    if step(done, total).is_break() { Err(Stopped) } else { Ok(()) }
-}
 
 /// Largest growth of a triangle's box before building: breaks the ties of axis-aligned tilings, and is
 /// small against any triangle that matters.
@@ -100,26 +85,35 @@ impl std::fmt::Debug for TriangleBvh {
 impl TriangleBvh {
     /// Builds the tree; about a second for a million triangles. Triangles must be finite.
     pub fn new(triangles: Vec<[Vec3; 3]>) -> Self {
+        match Self::build(triangles, &unwatched) {
+            Ok(tree) => tree,
+            Err(Stopped) => unreachable!("nobody stops what nobody watches"),
+        }
+    }
+
+    /// As [`TriangleBvh::new`], and can be stopped.
+    ///
+    /// # Errors
+    /// [`Stopped`] when `step` breaks off.
+    pub fn build(triangles: Vec<[Vec3; 3]>, step: Step) -> Result<Self, Stopped> {
         let mut random = ChaCha8Rng::seed_from_u64(0);
-        let boxes: Vec<TreeBox> = triangles
-            .iter()
-            .map(|corners| {
-                let grow = Vec3A::splat(random.random_range(0.0..MAX_JITTER_M));
-                let around = TreeBox::from_points(&corners.map(Vec3A::from));
-                TreeBox::new(around.min - grow, around.max + grow)
-            })
-            .collect();
-        let tree = if boxes.is_empty() {
-            Bvh2::default()
-        } else {
-            build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default())
-        };
-        let leaf = |&index: &u32| {
+        let mut pace = Pace::new(step, triangles.len());
+        let boxes = triangles.iter().map(|corners| {
+            pace.item()?;
+            let grow = Vec3A::splat(random.random_range(0.0..MAX_JITTER_M));
+            let around = TreeBox::from_points(&corners.map(Vec3A::from));
+            Ok(TreeBox::new(around.min - grow, around.max + grow))
+        });
+        let boxes = boxes.collect::<Result<Vec<_>, Stopped>>()?;
+        let tree = tree_of(&boxes, step)?;
+        let mut pace = Pace::new(step, triangles.len());
+        let leaves = tree.primitive_indices.iter().map(|&index| {
+            pace.item()?;
             let [a, b, c] = triangles[index as usize].map(Vec3A::from);
-            Leaf { corner: a, edge1: b - a, edge2: c - a }
-        };
-        let leaves = tree.primitive_indices.iter().map(leaf).collect();
-        Self { triangles, tree, leaves }
+            Ok(Leaf { corner: a, edge1: b - a, edge2: c - a })
+        });
+        let leaves = leaves.collect::<Result<Vec<_>, Stopped>>()?;
+        Ok(Self { triangles, tree, leaves })
     }
 
     /// The triangles, in the order they were given.

@@ -6,6 +6,7 @@ use super::bvh::TriangleBvh;
 use super::field::SignedDistanceField;
 use super::field::grid::Grid;
 use super::field::lines::Lines;
+use super::step::{Pace, Step, Stopped};
 
 /// Steepest surface that counts as something to be on: 60 degrees, so that noisy scans keep their seats
 /// (smoothness between neighbouring columns is asked for separately).
@@ -42,17 +43,27 @@ pub(super) struct Columns {
 
 impl Columns {
     /// Columns `cell_m` apart over the whole field.
-    pub fn new(bvh: &TriangleBvh, field: &SignedDistanceField, cell_m: f32) -> Self {
+    ///
+    /// # Errors
+    /// [`Stopped`] when `step` breaks off.
+    pub fn new(
+        bvh: &TriangleBvh,
+        field: &SignedDistanceField,
+        cell_m: f32,
+        step: Step,
+    ) -> Result<Self, Stopped> {
         let bounds = field.bounds();
         let size = bounds.size();
         let dim = [(size.x / cell_m) as usize + 1, (size.z / cell_m) as usize + 1];
         let origin = Vec3::new(bounds.min.x, 0.0, bounds.min.z);
         let grid = Grid { dim: [dim[0], 2, dim[1]], origin, cell_m: Vec3::new(cell_m, 1.0, cell_m) };
-        let lines = Lines::new(&grid, bvh.triangles(), 1);
+        let lines = Lines::new(&grid, bvh.triangles(), 1, step)?;
+        let mut pace = Pace::new(step, dim[0] * dim[1]);
         let tops = (0..dim[0] * dim[1]).map(|i| {
             let (x, z) = (i / dim[1], i % dim[1]);
             let at = grid.position([x, 0, z]);
             let crossings = lines.line(x, z);
+            pace.items(1 + crossings.len())?;
             let top = |(rank, crossing): (usize, &super::field::lines::Crossing)| {
                 let triangle = crossing.triangle as usize;
                 let height_m = crossing.place;
@@ -67,9 +78,10 @@ impl Columns {
                     triangle,
                 })
             };
-            crossings.iter().enumerate().filter_map(top).collect()
+            Ok(crossings.iter().enumerate().filter_map(top).collect())
         });
-        Self { dim, origin: Vec2::new(origin.x, origin.z), cell_m, tops: tops.collect() }
+        let tops = tops.collect::<Result<_, Stopped>>()?;
+        Ok(Self { dim, origin: Vec2::new(origin.x, origin.z), cell_m, tops })
     }
 
     /// The tops of column (x, z), the lowest first.

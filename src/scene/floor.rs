@@ -6,6 +6,7 @@ use super::bvh::TriangleBvh;
 use super::columns::Columns;
 use super::field::SignedDistanceField;
 use super::field::indoors::plane_distances;
+use super::step::{Step, Stopped, fill, report};
 
 /// Spacing of the cells in metres.
 const CELL_M: f32 = 0.05;
@@ -56,23 +57,31 @@ pub struct WalkableFloor {
 
 impl WalkableFloor {
     /// Measures the floor of a room.
-    pub fn new(bvh: &TriangleBvh, field: &SignedDistanceField, walker: Walker) -> Self {
-        let columns = Columns::new(bvh, field, CELL_M);
+    ///
+    /// # Errors
+    /// [`Stopped`] when `step` breaks off.
+    pub fn new(
+        bvh: &TriangleBvh,
+        field: &SignedDistanceField,
+        walker: Walker,
+        step: Step,
+    ) -> Result<Self, Stopped> {
+        let columns = Columns::new(bvh, field, CELL_M, step)?;
         let dim = columns.dim;
-        let cells = || (0..dim[0]).flat_map(|x| (0..dim[1]).map(move |z| [x, z]));
-        let height_m: Vec<f32> = cells()
-            .map(|cell| {
-                let floors = columns.tops(cell).iter().map(|t| t.height_m);
-                floors.filter(|y| y.abs() <= FLOOR_RANGE_M).reduce(f32::max).unwrap_or(0.0)
-            })
-            .collect();
-        let blocked: Vec<bool> = cells()
-            .zip(&height_m)
-            .map(|(cell, &height_m)| is_blocked(field, columns.position(cell, height_m), &walker))
-            .collect();
-        let clearance_m = plane_distances(dim, [CELL_M; 2], &blocked);
+        let place = |cell: usize| [cell / dim[1], cell % dim[1]];
+        let mut height_m = vec![0.0; dim[0] * dim[1]];
+        fill(&mut height_m, step, |cell| {
+            let floors = columns.tops(place(cell)).iter().map(|t| t.height_m);
+            floors.filter(|y| y.abs() <= FLOOR_RANGE_M).reduce(f32::max).unwrap_or(0.0)
+        })?;
+        let mut blocked = vec![false; dim[0] * dim[1]];
+        fill(&mut blocked, step, |cell| {
+            is_blocked(field, columns.position(place(cell), height_m[cell]), &walker)
+        })?;
+        let clearance_m = plane_distances(dim, [CELL_M; 2], &blocked, step)?;
+        report(step, 0, 1)?;
         let area = areas(dim, &clearance_m, walker.radius_m);
-        Self { dim, origin: columns.origin, cell_m: CELL_M, walker, height_m, clearance_m, area }
+        Ok(Self { dim, origin: columns.origin, cell_m: CELL_M, walker, height_m, clearance_m, area })
     }
 
     /// Centre of a cell on the floor, world frame.

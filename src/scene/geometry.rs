@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 
-use super::bvh::{Step, Stopped, TriangleBvh, report};
+use super::bvh::TriangleBvh;
 use super::field::{FieldConfig, SignedDistanceField, bake_cached};
 use super::floor::{WalkableFloor, Walker};
 use super::room::{ObjectId, Room};
+use super::step::{Pace, Step, Stopped, report};
 use super::support::{SupportSurface, find_supports};
 use crate::math::Aabb;
 
@@ -42,8 +43,13 @@ impl RoomGeometry {
     /// # Errors
     /// [`Stopped`] when `step` breaks off.
     pub fn build(room: &Room, config: &GeometryConfig, step: Step) -> Result<Self, Stopped> {
-        let (owner, triangles): (Vec<ObjectId>, Vec<[Vec3; 3]>) = room.world_triangles().unzip();
-        report(step, 0, 1)?;
+        let (mut owner, mut triangles) = (Vec::new(), Vec::new());
+        let mut pace = Pace::new(step, 0);
+        for (object, triangle) in room.world_triangles() {
+            pace.item()?;
+            owner.push(object);
+            triangles.push(triangle);
+        }
         let field = bake_cached(&triangles, &config.field, step)?;
         Self::from_field(triangles, owner, field, config, step)
     }
@@ -61,10 +67,9 @@ impl RoomGeometry {
     ) -> Result<Self, Stopped> {
         let bounds = Aabb::of(triangles.iter().flatten().copied());
         report(step, 0, 1)?;
-        let bvh = TriangleBvh::new(triangles);
-        report(step, 0, 1)?;
+        let bvh = TriangleBvh::build(triangles, step)?;
         let supports = find_supports(&bvh, &field, &owner, step)?;
-        let floor = WalkableFloor::new(&bvh, &field, config.walker);
+        let floor = WalkableFloor::new(&bvh, &field, config.walker, step)?;
         Ok(Self { bvh, field, supports, floor, bounds, owner })
     }
 
@@ -77,12 +82,13 @@ impl RoomGeometry {
 #[cfg(test)]
 mod tests {
     use std::ops::ControlFlow;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     use glam::Vec2;
 
     use super::*;
     use crate::scene::SupportSurface;
-    use crate::scene::field::{bake, test_room_triangles};
+    use crate::scene::field::{Resolution, bake, test_room_triangles};
 
     fn furnished_room() -> RoomGeometry {
         let triangles = test_room_triangles(10_000);
@@ -139,5 +145,34 @@ mod tests {
         assert!((clearance - 0.5).abs() < 0.08, "half a metre to the table, not {clearance}");
         let cell = floor.nearest_walkable(Vec2::new(1.2, -0.1)).expect("somewhere");
         assert!(floor.area[cell] == Some(0));
+    }
+
+    /// Every stage of the work on `triangles`, with a step that breaks at its `at`-th call; how often it was called.
+    fn built_until(triangles: &[[Vec3; 3]], at: usize) -> (bool, usize) {
+        let asked = AtomicUsize::new(0);
+        let step = |_, _| match asked.fetch_add(1, Ordering::Relaxed) {
+            n if n >= at => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        };
+        let resolution = Resolution::Cells { cell_m: 0.1, max_bytes: 1 << 24 };
+        let field = FieldConfig { resolution, ..FieldConfig::default() };
+        let config = GeometryConfig { field, ..GeometryConfig::default() };
+        let built = bake(triangles, &config.field, &step).and_then(|field| {
+            RoomGeometry::from_field(triangles.to_vec(), Vec::new(), field, &config, &step)
+        });
+        (built.is_ok(), asked.into_inner())
+    }
+
+    #[test]
+    fn whenever_it_is_told_to_stop_it_stops() {
+        let triangles = test_room_triangles(8_000);
+        let (done, steps) = built_until(&triangles, usize::MAX);
+        assert!(done && steps > 100, "{steps} questions are too few for {} triangles", triangles.len());
+        for at in (0..steps - 2).step_by(steps / 20) {
+            let (done, asked) = built_until(&triangles, at);
+            assert!(!done, "told to stop at question {at} of {steps}, it went on to the end");
+            // Each thread may be in the middle of a piece.
+            assert!(asked <= at + 1 + rayon::current_num_threads(), "{asked} questions, stopped at {at}");
+        }
     }
 }

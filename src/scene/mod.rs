@@ -17,18 +17,19 @@ mod geometry;
 mod import;
 mod person;
 mod room;
+mod step;
 mod support;
+mod tree;
 
-pub use bvh::{
-    Closest, Hit, PACKET, PacketCaster, PacketHits, Step, Stopped, TriangleBvh, closest_on_triangle,
-};
+pub use bvh::{Closest, Hit, PACKET, PacketCaster, PacketHits, TriangleBvh, closest_on_triangle};
 pub use camera::Camera;
 pub use category::Category;
 pub use export::model_from_room;
 pub use field::{FieldConfig, Resolution, SignedDistanceField, bake, bake_cached};
 pub use floor::{WalkableFloor, Walker};
 pub use geometry::{GeometryConfig, RoomGeometry};
-pub use import::{ImportOptions, ImportReport, Imported, UpAxis, room_from_model};
+pub use import::{ImportOptions, ImportReport, Imported, UpAxis, room_from_model, understand};
 pub use person::{BETAS, BodyParams, HANDS, PARAMS, POSE, Person, PersonId, PoseFamily};
 pub use room::{Object, ObjectId, ObjectPart, Room, Scene};
+pub use step::{Step, Stopped};
 pub use support::{Back, EdgePoint, FREE_LIMIT_M, SupportCell, SupportSurface, find_supports};

@@ -9,9 +9,10 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::ObjectId;
-use super::bvh::{Step, Stopped, TriangleBvh, report};
+use super::bvh::TriangleBvh;
 use super::columns::{Columns, Top};
 use super::field::SignedDistanceField;
+use super::step::{Pace, Step, Stopped, report};
 use crate::math::Aabb;
 
 /// Spacing of the columns: a chair's seat has about 12 across.
@@ -101,16 +102,14 @@ pub fn find_supports(
     owner: &[ObjectId],
     step: Step,
 ) -> Result<Vec<SupportSurface>, Stopped> {
-    let columns = Columns::new(bvh, field, COLUMN_M);
-    report(step, 0, 1)?;
-    let finder = Finder { bvh, owner, columns };
-    let groups = finder.groups();
-    report(step, 0, 1)?;
+    let columns = Columns::new(bvh, field, COLUMN_M, step)?;
+    let finder = Finder { bvh, owner, columns, step };
+    let groups = finder.groups()?;
     let mut surfaces = Vec::new();
     for (done, group) in groups.iter().enumerate() {
         report(step, done, groups.len())?;
         if group.len() as f32 * COLUMN_M * COLUMN_M >= SMALLEST_M2 {
-            surfaces.push(finder.surface(group));
+            surfaces.push(finder.surface(group)?);
         }
     }
     Ok(surfaces)
@@ -123,6 +122,7 @@ struct Finder<'a> {
     bvh: &'a TriangleBvh,
     owner: &'a [ObjectId],
     columns: Columns,
+    step: Step<'a>,
 }
 
 impl Finder<'_> {
@@ -131,11 +131,12 @@ impl Finder<'_> {
     }
 
     /// Tops joined with their neighbours.
-    fn groups(&self) -> Vec<Vec<Place>> {
+    fn groups(&self) -> Result<Vec<Vec<Place>>, Stopped> {
         let usable = |top: &Top| top.height_m >= LOWEST_M && top.clearance_m >= LEAST_CLEARANCE_M;
         let [nx, nz] = self.columns.dim;
         let mut taken: HashMap<([usize; 2], usize), ()> = HashMap::new();
         let mut groups = Vec::new();
+        let mut pace = Pace::new(self.step, nx * nz);
         for column in (0..nx).flat_map(|x| (0..nz).map(move |z| [x, z])) {
             for (rank, top) in self.columns.tops(column).iter().enumerate() {
                 if !usable(top) || taken.insert((column, rank), ()).is_some() {
@@ -146,6 +147,7 @@ impl Finder<'_> {
                 while next < group.len() {
                     let (from, at) = group[next];
                     next += 1;
+                    pace.items(NEIGHBOURS.len())?;
                     for (by, reach_m, same_object) in NEIGHBOURS {
                         let Some(to) = self.columns.neighbour(from, by) else { continue };
                         for (rank, top) in self.columns.tops(to).iter().enumerate() {
@@ -160,10 +162,10 @@ impl Finder<'_> {
                 groups.push(group);
             }
         }
-        groups
+        Ok(groups)
     }
 
-    fn surface(&self, group: &[Place]) -> SupportSurface {
+    fn surface(&self, group: &[Place]) -> Result<SupportSurface, Stopped> {
         let cells: Vec<SupportCell> = group
             .iter()
             .map(|&(column, top)| SupportCell {
@@ -175,8 +177,8 @@ impl Finder<'_> {
         for object in group.iter().filter_map(|(_, top)| self.object(top.triangle)) {
             *owners.entry(object).or_default() += 1;
         }
-        let (edges, backs) = self.border(group);
-        SupportSurface {
+        let (edges, backs) = self.border(group)?;
+        Ok(SupportSurface {
             object: owners.into_iter().max_by_key(|&(id, n)| (n, std::cmp::Reverse(id))).map(|(id, _)| id),
             height_m: cells.iter().map(|c| c.position.y).sum::<f32>() / cells.len() as f32,
             cell_m: COLUMN_M,
@@ -186,19 +188,23 @@ impl Finder<'_> {
             cells,
             edges,
             backs,
-        }
+        })
     }
 
     /// Walks along the border: where it ends freely and where something rises.
-    fn border(&self, group: &[Place]) -> (Vec<EdgePoint>, Vec<Back>) {
+    fn border(&self, group: &[Place]) -> Result<(Vec<EdgePoint>, Vec<Back>), Stopped> {
         let members: HashMap<[usize; 2], ()> = group.iter().map(|&(column, _)| (column, ())).collect();
         let is_member = |from, by| self.columns.neighbour(from, by).is_some_and(|c| members.contains_key(&c));
         let mut edges = Vec::new();
         let mut rises = Vec::new();
+        let mut pace = Pace::new(self.step, group.len());
         for &(column, top) in group {
+            pace.item()?;
             if [[1, 0], [-1, 0], [0, 1], [0, -1]].iter().all(|&by| is_member(column, by)) {
                 continue;
             }
+            // Some ten rays.
+            pace.items(RISE_STEPS)?;
             let Some(outward) = outward(|by| is_member(column, by)) else { continue };
             let position = self.columns.position(column, top.height_m);
             match self.rise(position, outward) {
@@ -206,7 +212,7 @@ impl Finder<'_> {
                 None => edges.extend(self.edge(position, outward)),
             }
         }
-        (edges, join_backs(&rises))
+        Ok((edges, join_backs(&rises)))
     }
 
     /// How far something rises within a hand's breadth beyond the border, and whose it is.

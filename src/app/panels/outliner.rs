@@ -39,12 +39,12 @@ pub fn outliner(ui: &mut Ui, state: &mut EditorState) {
             CollapsingHeader::new(title)
                 .id_salt(("category", category))
                 .default_open(!category.is_structure() && rows.len() < 30)
-                .show(ui, |ui| rows.into_iter().for_each(|row| object_row(ui, state, row, category)));
+                .show(ui, |ui| rows.into_iter().for_each(|row| object_row(ui, state, &row, category)));
         }
     });
 }
 
-fn object_row(ui: &mut Ui, state: &mut EditorState, row: Row, category: Category) {
+fn object_row(ui: &mut Ui, state: &mut EditorState, row: &Row, category: Category) {
     let item = Item::Object(row.id);
     let response = item_row(ui, state, item, &row.name, row.visible, row.locked);
     response.context_menu(|ui| {

@@ -26,7 +26,7 @@ pub fn overlays(ctx: &Context, state: &mut EditorState) {
         Overlay::History => window(ctx, state, "History", 300.0, history),
         Overlay::Notifications => window(ctx, state, "Notifications", 460.0, notifications),
         Overlay::Rename(item, text) => rename(ctx, state, item, text),
-        Overlay::Unsaved(leaving) => unsaved(ctx, state, leaving),
+        Overlay::Unsaved(leaving) => unsaved(ctx, state, &leaving),
     }
 }
 
@@ -279,7 +279,7 @@ fn rename(ctx: &Context, state: &mut EditorState, item: Item, mut text: String) 
     }
 }
 
-fn unsaved(ctx: &Context, state: &mut EditorState, leaving: Leaving) {
+fn unsaved(ctx: &Context, state: &mut EditorState, leaving: &Leaving) {
     let response = Modal::new(Id::unique("unsaved")).show(ctx, |ui| {
         ui.set_width(360.0);
         ui.heading("There are unsaved changes");

@@ -38,9 +38,9 @@ use super::sign::{Surroundings, classify};
 use super::sweep::sweep_outward;
 use super::thin::{buried, thicken};
 use crate::assets::ContentHasher;
-use crate::assets::cache;
+use crate::assets::cache::Cache;
 use crate::math::Aabb;
-use crate::scene::bvh::{Step, Stopped, report};
+use crate::scene::step::{Pace, Step, Stopped, fill, report};
 
 /// How fine the samples lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,13 +104,13 @@ pub fn bake(
 ) -> Result<SignedDistanceField, Stopped> {
     let enclosure = enclosure(triangles, config);
     let grid = grid_for(&enclosure, config.resolution);
-    let mut facets: Vec<Facet> = triangles.par_iter().map(Facet::new).collect();
+    let mut facets = facets_of(triangles, step)?;
     // Every surface must reach some sample, at most half a cell's diagonal away.
     let band_m = config.band_m.max(0.6 * grid.cell_m.length());
     let mut nearest = narrow_band(&grid, &facets, band_m, step)?;
-    let lines = [0, 1, 2].map(|axis| Lines::new(&grid, triangles, axis));
-    report(step, 1, 2)?;
-    let edge_m = distance_indoors(&grid, &lines[1]);
+    let along = |axis: usize| Lines::new(&grid, triangles, axis, step);
+    let lines = [along(0)?, along(1)?, along(2)?];
+    let edge_m = distance_indoors(&grid, &lines[1], step)?;
     let indoors: Vec<bool> = edge_m.iter().map(|&d| d > 0.0).collect();
     let distance_m = &nearest.distance_m;
     let room =
@@ -118,8 +118,15 @@ pub fn bake(
     let solid = classify(&room, step)?;
     refine(&grid, &lines, &solid, &mut facets, band_m, &mut nearest, step)?;
     sweep_outward(&grid, &facets, &solid, band_m, &mut nearest, step)?;
-    let values = signed_values(&grid, &solid, &nearest.distance_m, &enclosure, &edge_m);
+    let values = signed_values(&grid, &solid, &nearest.distance_m, &enclosure, &edge_m, step)?;
     Ok(SignedDistanceField { dim: grid.dim, origin: grid.origin, cell_m: grid.cell_m, values })
+}
+
+fn facets_of(triangles: &[[Vec3; 3]], step: Step) -> Result<Vec<Facet>, Stopped> {
+    let Some(first) = triangles.first() else { return Ok(Vec::new()) };
+    let mut facets = vec![Facet::new(first); triangles.len()];
+    fill(&mut facets, step, |t| Facet::new(&triangles[t]))?;
+    Ok(facets)
 }
 
 /// Thickens sheets and forgets buried surfaces, in the band that is there already.
@@ -132,10 +139,8 @@ fn refine(
     nearest: &mut Nearest,
     step: Step,
 ) -> Result<(), Stopped> {
-    let buried = buried(grid, lines, solid, facets);
-    report(step, 0, 1)?;
-    let sheets = thicken(grid, lines, solid, facets);
-    report(step, 0, 1)?;
+    let buried = buried(grid, lines, solid, facets, step)?;
+    let sheets = thicken(grid, lines, solid, facets, step)?;
     nearest.distance_m.par_iter_mut().zip(&mut nearest.triangle).for_each(|(distance_m, triangle)| {
         if *triangle != NOBODY && buried[*triangle as usize] {
             (*distance_m, *triangle) = (f32::INFINITY, NOBODY);
@@ -189,7 +194,8 @@ fn signed_values(
     distance_m: &[f32],
     enclosure: &Aabb,
     edge_m: &[f32],
-) -> Vec<f32> {
+    step: Step,
+) -> Result<Vec<f32>, Stopped> {
     // A room without any triangle is all walls.
     let far = enclosure.size().length();
     let inside = |[x, y, z]: [usize; 3]| {
@@ -206,21 +212,20 @@ fn signed_values(
             -distance
         }
     };
-    (0..grid.len())
-        .into_par_iter()
-        .map(|index| {
-            let place = grid.place(index);
-            let p = grid.position(place);
-            if enclosure.contains(p) {
-                return inside(place);
-            }
-            let nearest_inside: [usize; 3] = std::array::from_fn(|axis| {
-                let span = grid.span(axis, enclosure.min[axis], enclosure.max[axis]);
-                span.map_or(place[axis], |(first, last)| place[axis].clamp(first, last))
-            });
-            -enclosure.distance(p) + inside(nearest_inside).min(0.0)
-        })
-        .collect()
+    let mut values = vec![0.0; grid.len()];
+    fill(&mut values, step, |index| {
+        let place = grid.place(index);
+        let p = grid.position(place);
+        if enclosure.contains(p) {
+            return inside(place);
+        }
+        let nearest_inside: [usize; 3] = std::array::from_fn(|axis| {
+            let span = grid.span(axis, enclosure.min[axis], enclosure.max[axis]);
+            span.map_or(place[axis], |(first, last)| place[axis].clamp(first, last))
+        });
+        -enclosure.distance(p) + inside(nearest_inside).min(0.0)
+    })?;
+    Ok(values)
 }
 
 /// Changes whenever the same input gives another field, so that older entries of the cache are not used.
@@ -236,26 +241,43 @@ pub fn bake_cached(
     config: &FieldConfig,
     step: Step,
 ) -> Result<SignedDistanceField, Stopped> {
-    let key = cache_key(triangles, config);
-    if let Some(field) = cache::get(&key).and_then(|bytes| from_bytes(&bytes)) {
+    bake_kept(Cache::of_user().as_ref(), triangles, config, step)
+}
+
+/// As [`bake_cached`], with a cache of the caller's.
+pub(super) fn bake_kept(
+    cache: Option<&Cache>,
+    triangles: &[[Vec3; 3]],
+    config: &FieldConfig,
+    step: Step,
+) -> Result<SignedDistanceField, Stopped> {
+    let Some(cache) = cache else { return bake(triangles, config, step) };
+    let key = cache_key(triangles, config, step)?;
+    if let Some(field) = cache.get(&key).and_then(|bytes| from_bytes(&bytes)) {
         return Ok(field);
     }
     report(step, 0, 1)?;
     let field = bake(triangles, config, step)?;
-    cache::put(&key, &to_bytes(&field));
+    cache.put(&key, &to_bytes(&field));
     Ok(field)
 }
 
-fn cache_key(triangles: &[[Vec3; 3]], config: &FieldConfig) -> String {
+pub(super) fn cache_key(
+    triangles: &[[Vec3; 3]],
+    config: &FieldConfig,
+    step: Step,
+) -> Result<String, Stopped> {
     let mut hasher = ContentHasher::default();
     hasher.write_number(CACHE_VERSION);
     hasher.write(format!("{config:?}").as_bytes());
+    let mut pace = Pace::new(step, triangles.len());
     for part in triangles.chunks(4096) {
+        pace.items(part.len())?;
         let numbers: Vec<u8> =
-            part.iter().flatten().flat_map(|p| p.to_array()).flat_map(f32::to_le_bytes).collect();
+            part.iter().flatten().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes).collect();
         hasher.write(&numbers);
     }
-    format!("field-{:032x}", hasher.finish())
+    Ok(format!("field-{:032x}", hasher.finish()))
 }
 
 fn to_bytes(field: &SignedDistanceField) -> Vec<u8> {

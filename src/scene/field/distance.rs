@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::grid::Grid;
-use crate::scene::bvh::{Step, Stopped, report};
+use crate::scene::step::{Pace, Step, Stopped, report};
 
 /// No triangle known yet.
 pub(super) const NOBODY: u32 = u32::MAX;
@@ -134,7 +134,7 @@ pub(super) fn splat(
 ) -> Result<(), Stopped> {
     let plane = grid.dim[1] * grid.dim[2];
     let task = PLANES_PER_TASK * plane;
-    let by_task = triangles_by_task(grid, facets, chosen, band_m);
+    let by_task = triangles_by_task(grid, facets, chosen, band_m, step)?;
     nearest
         .distance_m
         .par_chunks_mut(task)
@@ -142,12 +142,12 @@ pub(super) fn splat(
         .zip(by_task.par_iter())
         .enumerate()
         .try_for_each(|(number, ((distance, triangle), members))| {
-            report(step, 0, 1)?;
+            report(step, number, by_task.len())?;
             let first = number * PLANES_PER_TASK;
             let mut slab = Slab { grid, first_plane: first, distance, triangle };
             for (i, &t) in members.iter().enumerate() {
-                if i % 4096 == 4095 {
-                    report(step, 0, 1)?;
+                if i % ASKED == ASKED - 1 {
+                    report(step, number, by_task.len())?;
                 }
                 slab.write(&facets[t as usize], t, band_m, &open);
             }
@@ -155,9 +155,20 @@ pub(super) fn splat(
         })
 }
 
-fn triangles_by_task(grid: &Grid, facets: &[Facet], chosen: &[u32], band_m: f32) -> Vec<Vec<u32>> {
+/// Triangles between two calls of the caller's step; each fills at most a few thousand samples of a task.
+const ASKED: usize = 256;
+
+fn triangles_by_task(
+    grid: &Grid,
+    facets: &[Facet],
+    chosen: &[u32],
+    band_m: f32,
+    step: Step,
+) -> Result<Vec<Vec<u32>>, Stopped> {
     let mut by_task = vec![Vec::new(); grid.dim[0].div_ceil(PLANES_PER_TASK)];
+    let mut pace = Pace::new(step, chosen.len());
     for &t in chosen {
+        pace.item()?;
         let facet = &facets[t as usize];
         let reach = band_m + facet.radius_m;
         let xs = facet.corners().map(|p| p.x + facet.shift.x);
@@ -169,7 +180,7 @@ fn triangles_by_task(grid: &Grid, facets: &[Facet], chosen: &[u32], band_m: f32)
             }
         }
     }
-    by_task
+    Ok(by_task)
 }
 
 /// A few planes of the grid, filled by one task.

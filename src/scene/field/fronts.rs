@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::grid::Grid;
 use super::lines::{Crossing, Lines};
+use crate::scene::step::{Pace, Step, Stopped, fill, group, report};
 
 /// A surface has a front if standing air sees one side in at least this share of the views.
 const ONE_SIDED: f32 = 0.8;
@@ -18,12 +19,13 @@ pub(super) fn fronts_seen(
     lines: &[Lines; 3],
     triangles: &[[Vec3; 3]],
     is_standing: impl Fn(usize) -> bool,
-) -> Vec<i8> {
-    let (surface_of, surfaces) = connected_surfaces(triangles);
+    step: Step,
+) -> Result<Vec<i8>, Stopped> {
+    let (surface_of, surfaces) = connected_surfaces(triangles, step)?;
     let mut seen = vec![(0_u32, 0_u32); surfaces];
     for (axis, lines) in lines.iter().enumerate() {
         let stride = grid.strides()[axis];
-        lines.for_each(|u, v, crossings| {
+        lines.for_each(step, |u, v, crossings| {
             let start = grid.index(lines.sample(u, v, 0));
             let mut look = |crossing: &Crossing, from_above: bool| {
                 let views = &mut seen[surface_of[crossing.triangle as usize] as usize];
@@ -35,7 +37,7 @@ pub(super) fn fronts_seen(
                     above.iter().for_each(|c| look(c, false));
                 }
             });
-        });
+        })?;
     }
     let front = |&(front, back): &(u32, u32)| {
         let share = front as f32 / (front + back).max(1) as f32;
@@ -47,7 +49,7 @@ pub(super) fn fronts_seen(
         }
     };
     let fronts: Vec<i8> = seen.iter().map(front).collect();
-    surface_of.iter().map(|&s| fronts[s as usize]).collect()
+    Ok(surface_of.iter().map(|&s| fronts[s as usize]).collect())
 }
 
 /// Calls `visit(first, last, below, above)` for every run of samples between neighbouring crossings.
@@ -70,32 +72,38 @@ fn for_each_gap(
 }
 
 /// Which connected surface each triangle belongs to (corners at the same place are joined), and how many.
-fn connected_surfaces(triangles: &[[Vec3; 3]]) -> (Vec<u32>, usize) {
-    let mut parent: Vec<u32> = (0..triangles.len() as u32).collect();
-    let mut corners: Vec<([u32; 3], u32)> = triangles
-        .par_iter()
-        .enumerate()
+fn connected_surfaces(triangles: &[[Vec3; 3]], step: Step) -> Result<(Vec<u32>, usize), Stopped> {
+    let mut corners = vec![([0_u32; 3], 0_u32); 3 * triangles.len()];
+    fill(&mut corners, step, |i| {
         // Adding 0.0 makes -0.0 and 0.0 the same place.
-        .flat_map_iter(|(t, c)| c.map(|p| ((p + Vec3::ZERO).to_array().map(f32::to_bits), t as u32)))
-        .collect();
-    corners.par_sort_unstable();
-    for pair in corners.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-        let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
-        parent[a.max(b) as usize] = a.min(b);
+        let place = (triangles[i / 3][i % 3] + Vec3::ZERO).to_array().map(f32::to_bits);
+        (place, (i / 3) as u32)
+    })?;
+    let places = group(corners, step, |([x, y, z], _)| {
+        u64::from(*x) ^ u64::from(*y).rotate_left(21) ^ u64::from(*z).rotate_left(42)
+    })?;
+    let mut parent: Vec<u32> = (0..triangles.len() as u32).collect();
+    for corners in &places {
+        report(step, 0, 0)?;
+        for pair in corners.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
+            parent[a.max(b) as usize] = a.min(b);
+        }
     }
     let mut number = vec![u32::MAX; triangles.len()];
     let mut count = 0;
-    let surface_of = (0..triangles.len() as u32)
-        .map(|t| {
-            let r = root(&mut parent, t) as usize;
-            if number[r] == u32::MAX {
-                number[r] = count;
-                count += 1;
-            }
-            number[r]
-        })
-        .collect();
-    (surface_of, count as usize)
+    let mut pace = Pace::new(step, triangles.len());
+    let surface_of = (0..triangles.len() as u32).map(|t| {
+        pace.item()?;
+        let r = root(&mut parent, t) as usize;
+        if number[r] == u32::MAX {
+            number[r] = count;
+            count += 1;
+        }
+        Ok(number[r])
+    });
+    let surface_of = surface_of.collect::<Result<Vec<u32>, Stopped>>()?;
+    Ok((surface_of, count as usize))
 }
 
 fn root(parent: &mut [u32], mut i: u32) -> u32 {
@@ -123,7 +131,12 @@ impl Votes {
 }
 
 /// What every sample sees.
-pub(super) fn votes(grid: &Grid, lines: &[Lines; 3], fronts: &[i8]) -> Vec<Votes> {
+pub(super) fn votes(
+    grid: &Grid,
+    lines: &[Lines; 3],
+    fronts: &[i8],
+    step: Step,
+) -> Result<Vec<Votes>, Stopped> {
     let mut votes = vec![Votes::default(); grid.len()];
     let plane = grid.dim[1] * grid.dim[2];
     let vote = |crossing: Option<&Crossing>, from_above: bool| -> u8 {
@@ -131,10 +144,11 @@ pub(super) fn votes(grid: &Grid, lines: &[Lines; 3], fronts: &[i8]) -> Vec<Votes
         let seen = if crossing.is_some_and(|c| c.along == from_above) { front } else { -front };
         [16, 0, 1][(seen + 1) as usize]
     };
-    votes.par_chunks_mut(PLANES_PER_TASK * plane).enumerate().for_each(|(task, votes)| {
+    votes.par_chunks_mut(PLANES_PER_TASK * plane).enumerate().try_for_each(|(task, votes)| {
         let first_plane = task * PLANES_PER_TASK;
         let planes = votes.len() / plane;
         for x in 0..planes {
+            report(step, first_plane + x, grid.dim[0])?;
             let votes = &mut votes[x * plane..(x + 1) * plane];
             for y in 0..grid.dim[1] {
                 for_each_gap(lines[2].line(first_plane + x, y), grid.dim[2], |first, last, below, above| {
@@ -160,6 +174,7 @@ pub(super) fn votes(grid: &Grid, lines: &[Lines; 3], fronts: &[i8]) -> Vec<Votes
                 }
             });
         }
-    });
-    votes
+        Ok(())
+    })?;
+    Ok(votes)
 }

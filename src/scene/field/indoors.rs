@@ -1,8 +1,11 @@
 //! Which columns of the grid belong to the room: those over its floor, holes and notches closed. The rest (the
 //! notch of an L-shaped flat, the garden beyond a terrace without ground) lies outside, where all is solid.
 
+use rayon::prelude::*;
+
 use super::grid::Grid;
 use super::lines::Lines;
+use crate::scene::step::{Step, Stopped, report};
 
 /// Holes and notches in a floor (scans see none behind furniture) are closed up to twice this width.
 const CLOSE_M: f32 = 0.6;
@@ -15,7 +18,7 @@ const LEAST_FLOOR: f32 = 0.2;
 
 /// Horizontal distance in metres of every column (x, z) from the edge of the room: positive inside, at most 0
 /// outside, infinite where the box is the room.
-pub(super) fn distance_indoors(grid: &Grid, heights: &Lines) -> Vec<f32> {
+pub(super) fn distance_indoors(grid: &Grid, heights: &Lines, step: Step) -> Result<Vec<f32>, Stopped> {
     let [nx, _, nz] = grid.dim;
     let floor_m = FLOOR_BELOW_M - grid.origin.y;
     let floored: Vec<bool> = (0..nx * nz)
@@ -26,23 +29,28 @@ pub(super) fn distance_indoors(grid: &Grid, heights: &Lines) -> Vec<f32> {
         .collect();
     let count = floored.iter().filter(|&&f| f).count();
     if (count as f32) < LEAST_FLOOR * floored.len() as f32 || count == floored.len() {
-        return vec![f32::INFINITY; nx * nz];
+        return Ok(vec![f32::INFINITY; nx * nz]);
     }
-    let from_floor = plane_distances([nx, nz], [grid.cell_m.x, grid.cell_m.z], &floored);
+    let from_floor = plane_distances([nx, nz], [grid.cell_m.x, grid.cell_m.z], &floored, step)?;
     let outside: Vec<bool> = from_floor.iter().map(|&d| d > CLOSE_M).collect();
     if !outside.contains(&true) {
-        return vec![f32::INFINITY; nx * nz];
+        return Ok(vec![f32::INFINITY; nx * nz]);
     }
-    let to_outside = plane_distances([nx, nz], [grid.cell_m.x, grid.cell_m.z], &outside);
+    let to_outside = plane_distances([nx, nz], [grid.cell_m.x, grid.cell_m.z], &outside, step)?;
     let signed = |(&to_outside, &from_floor): (&f32, &f32)| {
         let inside = to_outside - CLOSE_M + BEYOND_FLOOR_M;
         if inside > 0.0 { inside } else { inside.min(BEYOND_FLOOR_M - from_floor).min(0.0) }
     };
-    to_outside.iter().zip(&from_floor).map(signed).collect()
+    Ok(to_outside.iter().zip(&from_floor).map(signed).collect())
 }
 
 /// Distance in metres from each cell of a plane to the nearest one that is `set`, exact; infinite if none is.
-pub(in crate::scene) fn plane_distances([nx, nz]: [usize; 2], cell_m: [f32; 2], set: &[bool]) -> Vec<f32> {
+pub(in crate::scene) fn plane_distances(
+    [nx, nz]: [usize; 2],
+    cell_m: [f32; 2],
+    set: &[bool],
+    step: Step,
+) -> Result<Vec<f32>, Stopped> {
     let mut along_z = vec![f32::INFINITY; nx * nz];
     for x in 0..nx {
         let row = &mut along_z[x * nz..(x + 1) * nz];
@@ -58,12 +66,16 @@ pub(in crate::scene) fn plane_distances([nx, nz]: [usize; 2], cell_m: [f32; 2], 
         }
     }
     let mut distance = vec![f32::INFINITY; nx * nz];
-    for (x, i) in (0..nx).flat_map(|x| (0..nx).map(move |i| (x, i))) {
-        let across2 = ((i as f32 - x as f32) * cell_m[0]).powi(2);
-        for z in 0..nz {
-            let squared = along_z[i * nz + z].powi(2) + across2;
-            distance[x * nz + z] = distance[x * nz + z].min(squared);
+    distance.par_chunks_mut(nz.max(1)).enumerate().try_for_each(|(x, row)| {
+        report(step, x, nx)?;
+        for i in 0..nx {
+            let across2 = ((i as f32 - x as f32) * cell_m[0]).powi(2);
+            for (z, distance) in row.iter_mut().enumerate() {
+                *distance = distance.min(along_z[i * nz + z].powi(2) + across2);
+            }
         }
-    }
-    distance.into_iter().map(f32::sqrt).collect()
+        row.iter_mut().for_each(|distance| *distance = distance.sqrt());
+        Ok(())
+    })?;
+    Ok(distance)
 }

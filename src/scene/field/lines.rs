@@ -9,6 +9,7 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::grid::Grid;
+use crate::scene::step::{Pace, Step, Stopped, report};
 
 /// Offset of all lines from the samples in metres: far below any accuracy asked for, far above rounding,
 /// and in no simple ratio.
@@ -43,40 +44,44 @@ pub(in crate::scene) struct Lines {
 
 impl Lines {
     /// Crosses every triangle with the grid lines along `axis`.
-    pub fn new(grid: &Grid, triangles: &[[Vec3; 3]], axis: usize) -> Self {
+    ///
+    /// # Errors
+    /// [`Stopped`] when `step` breaks off.
+    pub fn new(grid: &Grid, triangles: &[[Vec3; 3]], axis: usize, step: Step) -> Result<Self, Stopped> {
         let across = [[1, 2], [0, 2], [0, 1]][axis];
         let across_dim = across.map(|a| grid.dim[a]);
-        let found: Vec<Vec<(u32, Crossing)>> = triangles
-            .par_chunks(8192)
-            .enumerate()
-            .map(|(chunk, part)| {
-                let mut out = Vec::with_capacity(part.len() * 2);
-                for (i, triangle) in part.iter().enumerate() {
-                    cross_triangle(grid, triangle, (chunk * 8192 + i) as u32, axis, across, &mut out);
-                }
-                out
-            })
-            .collect();
+        let chunks = triangles.len().div_ceil(CHUNK);
+        let found = triangles.par_chunks(CHUNK).enumerate().map(|(chunk, part)| {
+            report(step, chunk, chunks)?;
+            let mut out = Vec::with_capacity(part.len() * 2);
+            for (i, triangle) in part.iter().enumerate() {
+                cross_triangle(grid, triangle, (chunk * CHUNK + i) as u32, axis, across, &mut out);
+            }
+            Ok(out)
+        });
+        let found = found.collect::<Result<Vec<_>, Stopped>>()?;
         let mut start = vec![0_u32; across_dim[0] * across_dim[1] + 1];
-        for (line, _) in found.iter().flatten() {
-            start[*line as usize + 1] += 1;
+        for part in &found {
+            report(step, 0, 0)?;
+            part.iter().for_each(|(line, _)| start[*line as usize + 1] += 1);
         }
         for i in 1..start.len() {
             start[i] += start[i - 1];
         }
-        let mut next = start.clone();
-        let nothing = Crossing { place: 0.0, triangle: 0, along: false };
-        let mut crossings = vec![nothing; start[start.len() - 1] as usize];
-        for (line, crossing) in found.iter().flatten() {
-            let slot = &mut next[*line as usize];
-            crossings[*slot as usize] = *crossing;
-            *slot += 1;
-        }
-        for window in start.windows(2) {
-            let line = &mut crossings[window[0] as usize..window[1] as usize];
+        let mut lines = Self { crossings: in_lines(&found, &start, step)?, start, across, across_dim };
+        lines.sort(step)?;
+        Ok(lines)
+    }
+
+    /// Puts the crossings of each line in order.
+    fn sort(&mut self, step: Step) -> Result<(), Stopped> {
+        let mut pace = Pace::new(step, self.crossings.len());
+        for window in self.start.windows(2) {
+            let line = &mut self.crossings[window[0] as usize..window[1] as usize];
+            pace.items(line.len())?;
             line.sort_unstable_by(|a, b| a.place.total_cmp(&b.place).then(a.triangle.cmp(&b.triangle)));
         }
-        Self { start, crossings, across, across_dim }
+        Ok(())
     }
 
     /// The crossings of the line through `(u, v)` of the two other axes, in order.
@@ -96,16 +101,47 @@ impl Lines {
     }
 
     /// Calls `visit(u, v, crossings)` for every line that meets anything.
-    pub fn for_each(&self, mut visit: impl FnMut(usize, usize, &[Crossing])) {
+    ///
+    /// # Errors
+    /// [`Stopped`] when `step` breaks off.
+    pub fn for_each(
+        &self,
+        step: Step,
+        mut visit: impl FnMut(usize, usize, &[Crossing]),
+    ) -> Result<(), Stopped> {
+        let mut pace = Pace::new(step, self.crossings.len());
         for u in 0..self.across_dim[0] {
             for v in 0..self.across_dim[1] {
                 let line = self.line(u, v);
                 if !line.is_empty() {
+                    pace.items(line.len() + LINE)?;
                     visit(u, v, line);
                 }
             }
         }
+        Ok(())
     }
+}
+
+/// Triangles that one task crosses.
+const CHUNK: usize = 8192;
+/// A line of samples is about as much work as so many crossings.
+const LINE: usize = 16;
+
+/// The crossings of all chunks, those of each line together, beginning at its `start`.
+fn in_lines(found: &[Vec<(u32, Crossing)>], start: &[u32], step: Step) -> Result<Vec<Crossing>, Stopped> {
+    let mut next = start.to_vec();
+    let nothing = Crossing { place: 0.0, triangle: 0, along: false };
+    let mut crossings = vec![nothing; start[start.len() - 1] as usize];
+    for part in found {
+        report(step, 0, 0)?;
+        for (line, crossing) in part {
+            let slot = &mut next[*line as usize];
+            crossings[*slot as usize] = *crossing;
+            *slot += 1;
+        }
+    }
+    Ok(crossings)
 }
 
 fn cross_triangle(

@@ -9,7 +9,7 @@ use super::grid::Grid;
 use super::lines::Lines;
 use super::standing::for_each_standing;
 use crate::math::Aabb;
-use crate::scene::bvh::{Step, Stopped, report};
+use crate::scene::step::{Pace, Step, Stopped, fill, report};
 
 /// Air that cannot be reached through openings at least twice as wide is doubtful: holes of scans and gaps
 /// between parts of furniture are smaller, passages for people larger.
@@ -39,20 +39,21 @@ pub(super) struct Surroundings<'a> {
 /// Whether each sample is solid.
 pub(super) fn classify(room: &Surroundings, step: Step) -> Result<Vec<bool>, Stopped> {
     let grid = room.grid;
-    let mut marks = closed_steps(room);
-    report(step, 1, 6)?;
+    let mut marks = closed_steps(room, step)?;
     let mut standing = Vec::new();
-    for_each_standing(grid, &marks, &room.lines[1], |index| standing.push(index as u32));
-    standing.iter().for_each(|&index| marks[index as usize] |= STANDING);
-    report(step, 2, 6)?;
-    let fronts = fronts_seen(grid, room.lines, room.triangles, |index| marks[index] & STANDING != 0);
-    report(step, 3, 6)?;
+    for_each_standing(grid, &marks, &room.lines[1], step, |index| standing.push(index as u32))?;
+    let mut pace = Pace::new(step, standing.len());
+    for &index in &standing {
+        pace.item()?;
+        marks[index as usize] |= STANDING;
+    }
+    let fronts = fronts_seen(grid, room.lines, room.triangles, |index| marks[index] & STANDING != 0, step)?;
     let (mut reach, shore) = flood_by_ball(room, &marks, standing, step)?;
-    report(step, 4, 6)?;
-    flood_narrow(grid, &marks, &mut reach, shore);
-    report(step, 5, 6)?;
-    let votes = votes(grid, room.lines, &fronts);
-    Ok(reach.par_iter().zip(&votes).map(|(&how, &votes)| is_solid(how, votes)).collect())
+    flood_narrow(grid, &marks, &mut reach, shore, step)?;
+    let votes = votes(grid, room.lines, &fronts, step)?;
+    let mut solid = vec![false; grid.len()];
+    fill(&mut solid, step, |index| is_solid(reach[index], votes[index]))?;
+    Ok(solid)
 }
 
 /// How air comes to a sample.
@@ -77,14 +78,17 @@ fn is_solid(how: Reach, votes: Votes) -> bool {
 }
 
 /// Marks which steps between samples cross a surface or leave the grid, and which samples lie outside.
-fn closed_steps(room: &Surroundings) -> Vec<u8> {
+fn closed_steps(room: &Surroundings, step: Step) -> Result<Vec<u8>, Stopped> {
     let grid = room.grid;
     let mut marks = vec![0_u8; grid.len()];
     let spans = [0, 1, 2].map(|a| grid.span(a, room.enclosure.min[a], room.enclosure.max[a]));
     let within =
         |axis: usize, at: usize| spans[axis].is_some_and(|(first, last)| (first..=last).contains(&at));
     let [nx, ny, nz] = grid.dim;
-    marks.par_chunks_mut(nz).enumerate().for_each(|(row, marks)| {
+    marks.par_chunks_mut(nz).enumerate().try_for_each(|(row, marks)| {
+        if row % ny == 0 {
+            report(step, row / ny, nx)?;
+        }
         let (x, y) = (row / ny, row % ny);
         let border = if x + 1 == nx { CLOSED[0] } else { 0 } | if y + 1 == ny { CLOSED[1] } else { 0 };
         let row_inside = within(0, x) && within(1, y);
@@ -93,18 +97,19 @@ fn closed_steps(room: &Surroundings) -> Vec<u8> {
             *mark = border | if inside { 0 } else { OUTSIDE };
         }
         marks[nz - 1] |= CLOSED[2];
-    });
+        Ok(())
+    })?;
     for (axis, lines) in room.lines.iter().enumerate() {
-        lines.for_each(|u, v, crossings| {
+        lines.for_each(step, |u, v, crossings| {
             for crossing in crossings {
                 let before = crossing.before();
                 if before >= 0 && (before as usize) < grid.dim[axis] {
                     marks[grid.index(lines.sample(u, v, before as usize))] |= CLOSED[axis];
                 }
             }
-        });
+        })?;
     }
-    marks
+    Ok(marks)
 }
 
 /// Calls `visit` with every neighbour that an open step leads to. The last sample of every row is marked
@@ -123,9 +128,6 @@ fn for_each_open(strides: [usize; 3], marks: &[u8], index: usize, mut visit: imp
     }
 }
 
-/// Samples between two calls of the caller's step: a few milliseconds of flooding.
-const FLOOD_STEP: usize = 1 << 18;
-
 /// Floods from standing room with a ball of [`BALL_M`], then lets the ball cover what it touches. Returns how
 /// each sample is reached and the samples at which narrower gaps may begin.
 fn flood_by_ball(
@@ -140,12 +142,9 @@ fn flood_by_ball(
     let mut queue = standing;
     queue.iter().for_each(|&index| reach[index as usize] = Reach::Wide);
     let mut shore: Vec<u32> = Vec::new();
-    let mut done = 0;
+    let mut pace = Pace::new(step, grid.len());
     while let Some(index) = queue.pop() {
-        done += 1;
-        if done % FLOOD_STEP == 0 {
-            report(step, done, grid.len())?;
-        }
+        pace.item()?;
         let mut at_shore = false;
         for_each_open(strides, marks, index as usize, |next| {
             if reach[next] == Reach::Never {
@@ -161,16 +160,24 @@ fn flood_by_ball(
             shore.push(index);
         }
     }
-    cover(grid, marks, &mut reach, &mut shore);
+    cover(grid, marks, &mut reach, &mut shore, step)?;
     Ok((reach, shore))
 }
 
 /// Lets balls at the `shore` cover the samples that they touch; those are added to the shore.
-fn cover(grid: &Grid, marks: &[u8], reach: &mut [Reach], shore: &mut Vec<u32>) {
+fn cover(
+    grid: &Grid,
+    marks: &[u8],
+    reach: &mut [Reach],
+    shore: &mut Vec<u32>,
+    step: Step,
+) -> Result<(), Stopped> {
+    let mut pace = Pace::new(step, 0);
     let ball_m = BALL_M + grid.cell_m.max_element();
     let mut center: Vec<u32> = shore.clone();
     let mut next = 0;
     while next < shore.len() {
+        pace.item()?;
         let from = grid.position(grid.place(center[next] as usize));
         for_each_open(grid.strides(), marks, shore[next] as usize, |neighbour| {
             if reach[neighbour] == Reach::Never
@@ -183,12 +190,21 @@ fn cover(grid: &Grid, marks: &[u8], reach: &mut [Reach], shore: &mut Vec<u32>) {
         });
         next += 1;
     }
+    Ok(())
 }
 
 /// Marks what air reaches from the shore only through narrow gaps.
-fn flood_narrow(grid: &Grid, marks: &[u8], reach: &mut [Reach], shore: Vec<u32>) {
+fn flood_narrow(
+    grid: &Grid,
+    marks: &[u8],
+    reach: &mut [Reach],
+    shore: Vec<u32>,
+    step: Step,
+) -> Result<(), Stopped> {
     let mut queue = shore;
+    let mut pace = Pace::new(step, 0);
     while let Some(index) = queue.pop() {
+        pace.item()?;
         for_each_open(grid.strides(), marks, index as usize, |next| {
             if reach[next] == Reach::Never {
                 reach[next] = Reach::Narrow;
@@ -196,4 +212,5 @@ fn flood_narrow(grid: &Grid, marks: &[u8], reach: &mut [Reach], shore: Vec<u32>)
             }
         });
     }
+    Ok(())
 }

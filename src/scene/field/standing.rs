@@ -2,6 +2,7 @@
 
 use super::grid::Grid;
 use super::lines::Lines;
+use crate::scene::step::{Pace, Step, Stopped, report};
 
 /// Edge of the blocks that are searched for standing room.
 const BLOCK_M: f32 = 0.1;
@@ -48,8 +49,14 @@ impl Blocks {
     }
 
     /// Calls `visit(block, first sample, samples)` for each row of samples in each block.
-    fn for_each_row(&self, grid: &Grid, mut visit: impl FnMut(usize, usize, usize)) {
+    fn for_each_row(
+        &self,
+        grid: &Grid,
+        step: Step,
+        mut visit: impl FnMut(usize, usize, usize),
+    ) -> Result<(), Stopped> {
         for x in 0..grid.dim[0] {
+            report(step, x, grid.dim[0])?;
             for y in 0..grid.dim[1] {
                 let blocks = self.index([x / self.size[0], y / self.size[1], 0]);
                 let row = grid.index([x, y, 0]);
@@ -59,50 +66,64 @@ impl Blocks {
                 }
             }
         }
+        Ok(())
     }
 }
 
 /// Calls `mark` for every sample that lies in standing room. `marks` is 0 where a sample is inside the room
 /// and none of its steps crosses a surface.
-pub(super) fn for_each_standing(grid: &Grid, marks: &[u8], heights: &Lines, mut mark: impl FnMut(usize)) {
+pub(super) fn for_each_standing(
+    grid: &Grid,
+    marks: &[u8],
+    heights: &Lines,
+    step: Step,
+    mut mark: impl FnMut(usize),
+) -> Result<(), Stopped> {
     let blocks = Blocks::new(grid);
     let mut occupied = vec![false; blocks.len()];
-    blocks.for_each_row(grid, |block, first, count| {
+    blocks.for_each_row(grid, step, |block, first, count| {
         occupied[block] |= marks[first..first + count].iter().any(|&m| m != 0);
-    });
+    })?;
     // A room crammed so full that nobody has 0.2 m around still has some air.
-    let standing = (0..=CLEARANCE)
-        .rev()
-        .map(|clearance| room_sized_regions(&blocks, &grown(&blocks, &occupied, clearance), heights))
-        .find(|standing| standing.contains(&true))
-        .unwrap_or_default();
-    if !standing.is_empty() {
-        blocks.for_each_row(grid, |block, first, count| {
-            if standing[block] {
-                (first..first + count).for_each(&mut mark);
-            }
-        });
+    let mut standing = Vec::new();
+    for clearance in (0..=CLEARANCE).rev() {
+        standing = room_sized_regions(&blocks, &grown(&blocks, &occupied, clearance, step)?, heights, step)?;
+        if standing.contains(&true) {
+            break;
+        }
     }
+    blocks.for_each_row(grid, step, |block, first, count| {
+        if standing[block] {
+            (first..first + count).for_each(&mut mark);
+        }
+    })
 }
 
 /// `occupied` grown by `by` blocks along each axis in turn.
-fn grown(blocks: &Blocks, occupied: &[bool], by: usize) -> Vec<bool> {
+fn grown(blocks: &Blocks, occupied: &[bool], by: usize, step: Step) -> Result<Vec<bool>, Stopped> {
     let mut now = occupied.to_vec();
+    let mut pace = Pace::new(step, 3 * now.len());
     for axis in 0..3 {
         let before = now.clone();
         let stride = [blocks.dim[1] * blocks.dim[2], blocks.dim[2], 1][axis];
         for (index, cell) in now.iter_mut().enumerate() {
+            pace.item()?;
             let at = blocks.place(index)[axis];
             let (low, high) = (at.saturating_sub(by), (at + by).min(blocks.dim[axis] - 1));
             *cell = (low..=high).any(|i| before[index + i * stride - at * stride]);
         }
     }
-    now
+    Ok(now)
 }
 
 /// Connected regions of free blocks that are not tiny and have a floor; if none has one, the largest.
-fn room_sized_regions(blocks: &Blocks, tight: &[bool], heights: &Lines) -> Vec<bool> {
-    let mut regions = connected(blocks, tight);
+fn room_sized_regions(
+    blocks: &Blocks,
+    tight: &[bool],
+    heights: &Lines,
+    step: Step,
+) -> Result<Vec<bool>, Stopped> {
+    let mut regions = connected(blocks, tight, step)?;
     regions.sort_by_key(|region| (std::cmp::Reverse(region.len()), region[0]));
     let floored: Vec<&Vec<usize>> =
         regions.iter().filter(|region| floored_share(blocks, region, heights) >= FLOORED).collect();
@@ -112,11 +133,12 @@ fn room_sized_regions(blocks: &Blocks, tight: &[bool], heights: &Lines) -> Vec<b
     for region in rooms.iter().filter(|region| region.len() as f32 >= SMALLEST_ROOM * largest) {
         region.iter().for_each(|&block| standing[block] = true);
     }
-    standing
+    Ok(standing)
 }
 
-fn connected(blocks: &Blocks, tight: &[bool]) -> Vec<Vec<usize>> {
+fn connected(blocks: &Blocks, tight: &[bool], step: Step) -> Result<Vec<Vec<usize>>, Stopped> {
     let mut seen = tight.to_vec();
+    let mut pace = Pace::new(step, seen.len());
     let mut regions = Vec::new();
     for start in 0..seen.len() {
         if std::mem::replace(&mut seen[start], true) {
@@ -125,6 +147,7 @@ fn connected(blocks: &Blocks, tight: &[bool]) -> Vec<Vec<usize>> {
         let mut region = vec![start];
         let mut next = 0;
         while next < region.len() {
+            pace.item()?;
             for n in blocks.neighbours(region[next]) {
                 if !std::mem::replace(&mut seen[n], true) {
                     region.push(n);
@@ -134,7 +157,7 @@ fn connected(blocks: &Blocks, tight: &[bool]) -> Vec<Vec<usize>> {
         }
         regions.push(region);
     }
-    regions
+    Ok(regions)
 }
 
 /// Share of the region's columns that have a surface beneath.

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::distance::{Facet, NOBODY, Nearest};
 use super::grid::Grid;
-use crate::scene::bvh::{Step, Stopped, report};
+use crate::scene::step::{Step, Stopped, fill, report};
 
 /// Gain for which another triangle is measured, in metres: covers the rounding of [`Direction`] over one
 /// step of a few centimetres.
@@ -30,8 +30,7 @@ pub(super) fn sweep_outward(
     step: Step,
 ) -> Result<(), Stopped> {
     let slack_m = 2.0 * facets.par_iter().map(|f| f.radius_m).reduce(|| 0.0, f32::max);
-    let mut gradient = gradients(grid, facets, solid, nearest);
-    report(step, 0, 1)?;
+    let mut gradient = gradients(grid, facets, solid, nearest, step)?;
     let sweep = Sweep { grid, facets, solid, exact_m, slack_m };
     sweep.within_planes(nearest, &mut gradient, step)?;
     for reverse in [false, true] {
@@ -41,15 +40,23 @@ pub(super) fn sweep_outward(
 }
 
 /// Gradients of the distances that are known already.
-fn gradients(grid: &Grid, facets: &[Facet], solid: &[bool], nearest: &Nearest) -> Vec<Direction> {
-    let known = |(index, &triangle): (usize, &u32)| {
+fn gradients(
+    grid: &Grid,
+    facets: &[Facet],
+    solid: &[bool],
+    nearest: &Nearest,
+    step: Step,
+) -> Result<Vec<Direction>, Stopped> {
+    let mut gradients = vec![Direction::default(); grid.len()];
+    fill(&mut gradients, step, |index| {
+        let triangle = nearest.triangle[index];
         if triangle == NOBODY {
             return Direction::default();
         }
         let p = grid.position(grid.place(index));
         Direction::pack(facets[triangle as usize].distance(p, solid[index]).1)
-    };
-    nearest.triangle.par_iter().enumerate().map(known).collect()
+    })?;
+    Ok(gradients)
 }
 
 /// A unit vector in three times ten bits: off by at most 0.001 along each axis.
@@ -282,9 +289,9 @@ impl Sweep<'_> {
     fn hand_on(&self, way: Way, samples: &Samples, next: &mut Row) {
         // The same loop, once for the compiler to see that the samples are adjacent.
         if samples.stride == 1 {
-            self.hand_on_by(1, way, samples, next)
+            self.hand_on_by(1, way, samples, next);
         } else {
-            self.hand_on_by(samples.stride, way, samples, next)
+            self.hand_on_by(samples.stride, way, samples, next);
         }
     }
 

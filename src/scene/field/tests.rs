@@ -1,9 +1,12 @@
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::Vec3;
 
+use super::bake::{bake_kept, cache_key};
 use super::test_room::{HIGH, LOW, box_triangles, exact_distance, triangles};
 use super::*;
+use crate::assets::cache::Cache;
 use crate::scene::bvh::TriangleBvh;
 
 fn quietly(_: usize, _: usize) -> ControlFlow<()> {
@@ -195,4 +198,37 @@ fn baking_stops_at_once_when_asked() {
         _ => ControlFlow::Break(()),
     };
     assert!(bake(&triangles(2_000), &FieldConfig::default(), &stop_late).is_err());
+}
+
+#[test]
+fn a_field_that_was_baked_before_comes_back_bit_by_bit_and_only_for_the_same_room() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cache = Cache::at(folder.path().join("cache"), 1 << 24);
+    let room = shell();
+    let coarse = Resolution::Cells { cell_m: 0.1, max_bytes: 1 << 24 };
+    let config = FieldConfig { resolution: coarse, ..FieldConfig::default() };
+    let asked = AtomicUsize::new(0);
+    let count = |_, _| {
+        asked.fetch_add(1, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    };
+    let kept = |room: &[[Vec3; 3]], config: &FieldConfig| {
+        asked.store(0, Ordering::Relaxed);
+        let field = bake_kept(Some(&cache), room, config, &count).expect("not stopped");
+        (field, asked.load(Ordering::Relaxed))
+    };
+    let (first, baking) = kept(&room, &config);
+    assert_eq!(first, bake(&room, &config, &quietly).expect("not stopped"));
+    let (again, reading) = kept(&room, &config);
+    let bits = |field: &SignedDistanceField| field.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+    assert_eq!((bits(&again), again.dim, again.origin), (bits(&first), first.dim, first.origin));
+    assert!(reading < baking / 4, "it was baked again: {reading} steps, {baking} the first time");
+    assert_ne!(kept(&room[1..], &config).1, reading, "another room is another field");
+    let wider = FieldConfig { band_m: 0.08, ..config };
+    assert_ne!(kept(&room, &wider).1, reading, "other settings give another field");
+
+    let key = cache_key(&room, &config, &quietly).expect("not stopped");
+    cache.put(&key, b"half a field");
+    let (mended, steps) = kept(&room, &config);
+    assert!(steps > reading && bits(&mended) == bits(&first), "a damaged entry was taken");
 }

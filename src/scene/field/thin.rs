@@ -7,6 +7,7 @@
 use super::distance::Facet;
 use super::grid::Grid;
 use super::lines::{Crossing, Lines};
+use crate::scene::step::{Pace, Step, Stopped, fill};
 
 /// Half thickness of a sheet in cells. At least 0.5, or a sheet in the middle between two samples touches
 /// neither; the rest covers the rounding.
@@ -17,21 +18,29 @@ const MOSTLY: f32 = 0.25;
 const HORIZONTAL: f32 = 0.7;
 
 /// Thickens the sheets among `facets` and returns which ones they are.
-pub(super) fn thicken(grid: &Grid, lines: &[Lines; 3], solid: &[bool], facets: &mut [Facet]) -> Vec<u32> {
+pub(super) fn thicken(
+    grid: &Grid,
+    lines: &[Lines; 3],
+    solid: &[bool],
+    facets: &mut [Facet],
+    step: Step,
+) -> Result<Vec<u32>, Stopped> {
     let mut crossed = vec![(0_u32, 0_u32); facets.len()];
-    for_each_step(grid, lines, |axis, step, ends| {
+    for_each_step(grid, lines, step, |axis, here, ends| {
         let thin = ends.iter().all(|&end| !solid[end]);
-        for crossing in step {
+        for crossing in here {
             let (all, thin_ones) = &mut crossed[crossing.triangle as usize];
             *all += 1;
             *thin_ones += u32::from(thin);
         }
         if thin {
-            widen(grid, axis, step, facets);
+            widen(grid, axis, here, facets);
         }
-    });
+    })?;
     let mut thickened = Vec::new();
+    let mut pace = Pace::new(step, facets.len());
     for (t, facet) in facets.iter_mut().enumerate() {
+        pace.item()?;
         let (all, thin) = crossed[t];
         if facet.radius_m > 0.0 && thin as f32 >= MOSTLY * all as f32 {
             thickened.push(t as u32);
@@ -40,14 +49,19 @@ pub(super) fn thicken(grid: &Grid, lines: &[Lines; 3], solid: &[bool], facets: &
             facet.shift = glam::Vec3::ZERO;
         }
     }
-    thickened
+    Ok(thickened)
 }
 
 /// Calls `visit(axis, crossings, [sample before, sample after])` for every step between samples that is crossed.
-fn for_each_step(grid: &Grid, lines: &[Lines; 3], mut visit: impl FnMut(usize, &[Crossing], [usize; 2])) {
+fn for_each_step(
+    grid: &Grid,
+    lines: &[Lines; 3],
+    step: Step,
+    mut visit: impl FnMut(usize, &[Crossing], [usize; 2]),
+) -> Result<(), Stopped> {
     for (axis, lines) in lines.iter().enumerate() {
         let stride = grid.strides()[axis];
-        lines.for_each(|u, v, crossings| {
+        lines.for_each(step, |u, v, crossings| {
             for step in crossings.chunk_by(|a, b| a.before() == b.before()) {
                 let before = step[0].before();
                 if before >= 0 && (before as usize) + 1 < grid.dim[axis] {
@@ -55,8 +69,9 @@ fn for_each_step(grid: &Grid, lines: &[Lines; 3], mut visit: impl FnMut(usize, &
                     visit(axis, step, [index, index + stride]);
                 }
             }
-        });
+        })?;
     }
+    Ok(())
 }
 
 /// Gives the triangles of one crossed step at least the thickness of a cell.
@@ -78,13 +93,19 @@ fn widen(grid: &Grid, axis: usize, step: &[Crossing], facets: &mut [Facet]) {
 }
 
 /// Triangles with solid on both sides: no boundary of free space, so no distance is measured to them.
-pub(super) fn buried(grid: &Grid, lines: &[Lines; 3], solid: &[bool], facets: &[Facet]) -> Vec<bool> {
+pub(super) fn buried(
+    grid: &Grid,
+    lines: &[Lines; 3],
+    solid: &[bool],
+    facets: &[Facet],
+    step: Step,
+) -> Result<Vec<bool>, Stopped> {
     let mut exposed = vec![false; facets.len()];
-    for_each_step(grid, lines, |_, step, ends| {
+    for_each_step(grid, lines, step, |_, here, ends| {
         if ends.iter().any(|&end| !solid[end]) {
-            step.iter().for_each(|c| exposed[c.triangle as usize] = true);
+            here.iter().for_each(|c| exposed[c.triangle as usize] = true);
         }
-    });
+    })?;
     let near_air = |facet: &Facet| {
         let [a, b, c] = facet.corners();
         [(a + b + c) / 3.0, a, b, c].into_iter().any(|p| {
@@ -97,5 +118,7 @@ pub(super) fn buried(grid: &Grid, lines: &[Lines; 3], solid: &[bool], facets: &[
             })
         })
     };
-    exposed.iter().zip(facets).map(|(&exposed, facet)| !exposed && !near_air(facet)).collect()
+    let mut buried = vec![false; facets.len()];
+    fill(&mut buried, step, |t| !exposed[t] && !near_air(&facets[t]))?;
+    Ok(buried)
 }

@@ -10,6 +10,7 @@ use super::names;
 use crate::assets::{Mesh, Model, NumberMap, Part};
 use crate::math::Aabb;
 use crate::scene::Category;
+use crate::scene::step::{Pace, Step, Stopped, report};
 
 /// Furniture is no longer and no higher than this.
 const MAX_LENGTH_M: f32 = 3.6;
@@ -83,9 +84,6 @@ pub fn mesh_of(part: &Part, piece: &Piece) -> Arc<Mesh> {
         })
     };
     let triangles = triangles.iter().map(|t| part.mesh.triangles[*t as usize].map(&mut number)).collect();
-    fn picked<T: Copy>(of: &[T], which: &[usize]) -> Vec<T> {
-        if of.is_empty() { Vec::new() } else { which.iter().map(|&v| of[v]).collect() }
-    }
     Arc::new(Mesh {
         positions: picked(&part.mesh.positions, &old_of_new),
         normals: picked(&part.mesh.normals, &old_of_new),
@@ -95,10 +93,18 @@ pub fn mesh_of(part: &Part, piece: &Piece) -> Arc<Mesh> {
     })
 }
 
+fn picked<T: Copy>(of: &[T], which: &[usize]) -> Vec<T> {
+    if of.is_empty() { Vec::new() } else { which.iter().map(|&v| of[v]).collect() }
+}
+
 /// Every atom of `model`, in the order of the file.
-pub fn atoms(model: &Model, world_from_file: Affine3A) -> Vec<Atom> {
+///
+/// # Errors
+/// [`Stopped`] when `step` breaks off.
+pub fn atoms(model: &Model, world_from_file: Affine3A, step: Step) -> Result<Vec<Atom>, Stopped> {
     let mut atoms = Vec::new();
     for (group, parts) in groups(model, world_from_file).into_iter().enumerate() {
+        report(step, 0, 0)?;
         let category = category(model, &parts);
         let whole =
             atom(model, parts.iter().map(|&part| Piece { part, triangles: None }).collect(), world_from_file);
@@ -108,19 +114,18 @@ pub fn atoms(model: &Model, world_from_file: Affine3A) -> Vec<Atom> {
             atoms.push(whole);
             continue;
         }
-        let components = components(model, &parts, world_from_file);
+        let components = components(model, &parts, world_from_file, step)?;
         if components.len() < 2 || components.len() > MAX_COMPONENTS {
             atoms.push(whole);
             continue;
         }
         let category = category.filter(|_| false);
-        atoms.extend(components.into_iter().map(|pieces| Atom {
-            category,
-            group,
-            ..atom(model, pieces, world_from_file)
-        }));
+        for pieces in components {
+            report(step, 0, 0)?;
+            atoms.push(Atom { category, group, ..atom(model, pieces, world_from_file) });
+        }
     }
-    atoms
+    Ok(atoms)
 }
 
 fn atom(model: &Model, pieces: Vec<Piece>, world_from_file: Affine3A) -> Atom {
@@ -146,8 +151,8 @@ fn groups(model: &Model, world_from_file: Affine3A) -> Vec<Vec<usize>> {
     let mut number_of: HashMap<(Option<&[String]>, usize), usize> = HashMap::new();
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (index, part) in model.parts.iter().enumerate() {
-        let prefixes = (1..=part.path.len()).map(|depth| &part.path[..depth]);
-        let holder = prefixes.filter(|p| box_of_prefix.get(p).is_some_and(|b| is_furniture_sized(*b))).next();
+        let mut prefixes = (1..=part.path.len()).map(|depth| &part.path[..depth]);
+        let holder = prefixes.find(|p| box_of_prefix.get(p).is_some_and(|b| is_furniture_sized(*b)));
         let own = holder.is_none_or(|above| is_its_own_thing(part, above, world_from_file));
         let key = if own { (None, part.node) } else { (holder, 0) };
         let next = groups.len();
@@ -206,10 +211,16 @@ fn material_category(model: &Model, parts: &[&Part]) -> Option<Category> {
 }
 
 /// Connected components of the triangles of `parts`, in the order of their first triangle.
-fn components(model: &Model, parts: &[usize], world_from_file: Affine3A) -> Vec<Vec<Piece>> {
+fn components(
+    model: &Model,
+    parts: &[usize],
+    world_from_file: Affine3A,
+    step: Step,
+) -> Result<Vec<Vec<Piece>>, Stopped> {
     let mut number_of: NumberMap<[i32; 3], u32> = NumberMap::default();
     let mut roots: Vec<u32> = Vec::new();
     let mut place_of: Vec<Vec<u32>> = Vec::new();
+    let mut pace = Pace::new(step, 0);
     for &part in parts {
         let part = &model.parts[part];
         let world_from_mesh = world_from_file * part.file_from_mesh;
@@ -221,12 +232,14 @@ fn components(model: &Model, parts: &[usize], world_from_file: Affine3A) -> Vec<
             if number == next {
                 roots.push(next);
             }
-            number
+            pace.item()?;
+            Ok(number)
         };
-        place_of.push(part.mesh.positions.iter().map(&mut place).collect());
+        place_of.push(part.mesh.positions.iter().map(&mut place).collect::<Result<_, Stopped>>()?);
     }
     for (places, &part) in place_of.iter().zip(parts) {
         for [a, b, c] in model.parts[part].mesh.triangles.iter().map(|t| t.map(|v| places[v as usize])) {
+            pace.item()?;
             join(&mut roots, a, b);
             join(&mut roots, b, c);
         }
@@ -235,6 +248,7 @@ fn components(model: &Model, parts: &[usize], world_from_file: Affine3A) -> Vec<
     let mut found: Vec<Vec<Piece>> = Vec::new();
     for (places, &part) in place_of.iter().zip(parts) {
         for (t, triangle) in model.parts[part].mesh.triangles.iter().enumerate() {
+            pace.item()?;
             let next = found.len();
             let component = *order.entry(root(&mut roots, places[triangle[0] as usize])).or_insert(next);
             if component == next {
@@ -249,7 +263,7 @@ fn components(model: &Model, parts: &[usize], world_from_file: Affine3A) -> Vec<
             }
         }
     }
-    found
+    Ok(found)
 }
 
 /// The root of `at`, halving the path to it.

@@ -3,12 +3,13 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use glam::{Affine3A, IVec3, Vec3};
+use glam::{Affine3A, Vec3};
 
 use super::atoms::{Atom, is_furniture_sized, join, root, world_triangles};
 use crate::assets::Model;
 use crate::math::Aabb;
 use crate::scene::Category;
+use crate::scene::step::{Pace, Step, Stopped, group};
 
 /// Surfaces that come this close touch.
 const TOUCH_M: f32 = 0.012;
@@ -60,10 +61,18 @@ impl Cluster {
 }
 
 /// The clusters of `atoms`, each as atom numbers; ordered by their first atom, every atom in exactly one.
-pub fn clusters(model: &Model, atoms: &[Atom], world_from_file: Affine3A) -> Vec<Vec<usize>> {
+///
+/// # Errors
+/// [`Stopped`] when `step` breaks off.
+pub fn clusters(
+    model: &Model,
+    atoms: &[Atom],
+    world_from_file: Affine3A,
+    step: Step,
+) -> Result<Vec<Vec<usize>>, Stopped> {
     let mut roots: Vec<u32> = (0..atoms.len() as u32).collect();
     let mut clusters: Vec<Cluster> = atoms.iter().map(Cluster::of).collect();
-    let touching = touching(model, atoms, world_from_file);
+    let touching = touching(model, atoms, world_from_file, step)?;
     for _ in 0..MAX_ROUNDS {
         let mut changed = false;
         for &(a, b) in &touching {
@@ -91,7 +100,7 @@ pub fn clusters(model: &Model, atoms: &[Atom], world_from_file: Affine3A) -> Vec
         }
         found[number].push(atom);
     }
-    found
+    Ok(found)
 }
 
 /// What was taken apart for nothing goes together again: the building's parts, the small loose pieces of a
@@ -188,14 +197,21 @@ fn plan_overlap(a: Aabb, b: Aabb) -> f32 {
 }
 
 /// Pairs of movable atoms whose surfaces touch, in order.
-fn touching(model: &Model, atoms: &[Atom], world_from_file: Affine3A) -> BTreeSet<(u32, u32)> {
-    let mut in_cell: Vec<(IVec3, u32)> = Vec::new();
+fn touching(
+    model: &Model,
+    atoms: &[Atom],
+    world_from_file: Affine3A,
+    step: Step,
+) -> Result<BTreeSet<(u32, u32)>, Stopped> {
+    let mut in_cell: Vec<([i32; 3], u32)> = Vec::new();
+    let mut pace = Pace::new(step, 0);
     for (number, atom) in atoms.iter().enumerate().filter(|(_, a)| a.is_movable()) {
         let start = in_cell.len();
         for triangle in atom.pieces.iter().flat_map(|piece| world_triangles(model, piece, world_from_file)) {
+            let before = in_cell.len();
             sampled(triangle, |p| {
                 for shift in [-TOUCH_M * 0.5, TOUCH_M * 0.5] {
-                    let cell = ((p + Vec3::splat(shift)) / CELL_M).floor().as_ivec3();
+                    let cell = ((p + Vec3::splat(shift)) / CELL_M).floor().as_ivec3().to_array();
                     // Neighbouring samples fall into one cell.
                     if in_cell.len() < start + 2 || !in_cell[in_cell.len() - 2..].iter().any(|c| c.0 == cell)
                     {
@@ -203,18 +219,25 @@ fn touching(model: &Model, atoms: &[Atom], world_from_file: Affine3A) -> BTreeSe
                     }
                 }
             });
+            pace.items(1 + in_cell.len() - before)?;
         }
     }
-    in_cell.sort_unstable_by_key(|(cell, number)| (cell.to_array(), *number));
-    in_cell.dedup();
+    let cells = group(in_cell, step, |([x, y, z], _)| {
+        u64::from(*x as u32) ^ u64::from(*y as u32).rotate_left(21) ^ u64::from(*z as u32).rotate_left(42)
+    })?;
     let mut pairs = BTreeSet::new();
-    for cell in in_cell.chunk_by(|a, b| a.0 == b.0) {
-        let here = &cell[..cell.len().min(MAX_IN_CELL)];
-        for (i, a) in here.iter().enumerate() {
-            pairs.extend(here[i + 1..].iter().map(|b| (a.1, b.1)));
+    let mut pace = Pace::new(step, 0);
+    for mut in_cell in cells {
+        in_cell.dedup();
+        pace.items(in_cell.len())?;
+        for cell in in_cell.chunk_by(|a, b| a.0 == b.0) {
+            let here = &cell[..cell.len().min(MAX_IN_CELL)];
+            for (i, a) in here.iter().enumerate() {
+                pairs.extend(here[i + 1..].iter().map(|b| (a.1, b.1)));
+            }
         }
     }
-    pairs
+    Ok(pairs)
 }
 
 /// Calls `with` for points of a triangle no further apart than two thirds of a cell.

@@ -3,8 +3,9 @@
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
 
-use crate::assets::Model;
+use crate::assets::{Model, Part};
 use crate::math::Aabb;
+use crate::scene::step::{Step, Stopped, report};
 
 /// Slices of the height range; for a room of 3 m 15 mm each.
 pub const BINS: usize = 200;
@@ -23,37 +24,48 @@ pub struct Patch {
 /// A mesh of so many triangles may be a scan, whose single triangles point anywhere: its smooth normals count.
 const SCAN_TRIANGLES: usize = 50_000;
 
+/// Triangles that one task measures.
+const CHUNK: usize = 1 << 14;
+
 /// Every triangle of `model` with an area, in the file's frame.
-pub fn patches(model: &Model) -> Vec<Patch> {
-    model
-        .parts
-        .par_iter()
-        .flat_map_iter(|part| {
-            let linear = part.file_from_mesh.matrix3;
-            let sign = linear.determinant().signum();
-            let smooth_from_mesh = linear.inverse().transpose();
-            let is_scan = part.mesh.triangles.len() > SCAN_TRIANGLES && !part.mesh.normals.is_empty();
-            part.mesh.triangles.iter().enumerate().filter_map(move |(t, triangle)| {
-                let [a, b, c] = part.mesh.corners(t).map(|p| part.file_from_mesh.transform_point3(p));
-                let cross = (b - a).cross(c - a) * (0.5 * sign);
-                let own = cross.try_normalize()?;
-                let smooth = || triangle.iter().map(|v| part.mesh.normals[*v as usize]).sum::<Vec3>();
-                let normal = if is_scan { (smooth_from_mesh * smooth()).normalize_or(own) } else { own };
-                // Noise folds a surface up: what counts is its area seen along the smooth normal.
-                Some(Patch { centre: (a + b + c) / 3.0, normal, area: cross.dot(normal).abs() })
-            })
-        })
-        .filter(|p| p.area.is_finite() && p.area > 0.0)
-        .collect()
+pub fn patches(model: &Model, step: Step) -> Result<Vec<Patch>, Stopped> {
+    let chunks_of = |part: usize| {
+        let count = model.parts[part].mesh.triangles.len();
+        (0..count).step_by(CHUNK).map(move |first| (part, first..(first + CHUNK).min(count)))
+    };
+    let tasks: Vec<_> = (0..model.parts.len()).flat_map(chunks_of).collect();
+    let measured = tasks.par_iter().enumerate().map(|(done, (part, range))| {
+        report(step, done, tasks.len())?;
+        Ok(patches_of(&model.parts[*part], range.clone()))
+    });
+    Ok(measured.collect::<Result<Vec<_>, Stopped>>()?.concat())
+}
+
+fn patches_of(part: &Part, range: std::ops::Range<usize>) -> Vec<Patch> {
+    let linear = part.file_from_mesh.matrix3;
+    let sign = linear.determinant().signum();
+    let smooth_from_mesh = linear.inverse().transpose();
+    let is_scan = part.mesh.triangles.len() > SCAN_TRIANGLES && !part.mesh.normals.is_empty();
+    let patches = range.filter_map(|t| {
+        let [a, b, c] = part.mesh.corners(t).map(|p| part.file_from_mesh.transform_point3(p));
+        let cross = (b - a).cross(c - a) * (0.5 * sign);
+        let own = cross.try_normalize()?;
+        let smooth = || part.mesh.triangles[t].iter().map(|v| part.mesh.normals[*v as usize]).sum::<Vec3>();
+        let normal = if is_scan { (smooth_from_mesh * smooth()).normalize_or(own) } else { own };
+        // Noise folds a surface up: what counts is its area seen along the smooth normal.
+        Some(Patch { centre: (a + b + c) / 3.0, normal, area: cross.dot(normal).abs() })
+    });
+    patches.filter(|p| p.area.is_finite() && p.area > 0.0).collect()
 }
 
 /// The box that holds all but the outermost 0.2 % of the area on each side, from corner to corner where
 /// triangles are large.
-pub fn robust_bounds(model: &Model, patches: &[Patch]) -> Aabb {
+pub fn robust_bounds(model: &Model, patches: &[Patch], step: Step) -> Result<Aabb, Stopped> {
     let full = model.bounds();
     let total: f64 = patches.iter().map(|p| f64::from(p.area)).sum();
     let mut bounds = full;
     for axis in 0..3 {
+        report(step, axis, 3)?;
         let mut along: Vec<(f32, f32)> = patches.iter().map(|p| (p.centre[axis], p.area)).collect();
         along.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let low = first_beyond(along.iter(), 0.002 * total).unwrap_or(full.min[axis]);
@@ -63,7 +75,7 @@ pub fn robust_bounds(model: &Model, patches: &[Patch]) -> Aabb {
         bounds.min[axis] = if full.min[axis] < low - slack { low } else { full.min[axis] };
         bounds.max[axis] = if full.max[axis] > high + slack { high } else { full.max[axis] };
     }
-    bounds
+    Ok(bounds)
 }
 
 /// Where the areas, added up in their order, first reach `share`.

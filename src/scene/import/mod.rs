@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Room;
+use super::step::{Step, Stopped, report, unwatched};
 use crate::assets::Model;
 use crate::math::Aabb;
 
@@ -70,8 +71,20 @@ pub struct ImportReport {
 
 /// Makes a room of `model`. Deterministic; takes about a second for a million triangles.
 pub fn room_from_model(model: &Model, options: &ImportOptions) -> Imported {
-    let stance = upright::stance(model, options);
-    let room = objects::room(model, &stance);
+    match understand(model, options, &unwatched) {
+        Ok(imported) => imported,
+        Err(Stopped) => unreachable!("nobody stops what nobody watches"),
+    }
+}
+
+/// As [`room_from_model`], and can be stopped.
+///
+/// # Errors
+/// [`Stopped`] when `step` breaks off.
+pub fn understand(model: &Model, options: &ImportOptions, step: Step) -> Result<Imported, Stopped> {
+    let stance = upright::stance(model, options, step)?;
+    let room = objects::room(model, &stance, step)?;
+    report(step, 0, 0)?;
     let bounds = |b: Aabb| if b.is_empty() { [0.0; 3] } else { b.size().to_array() };
     let mut categories = BTreeMap::new();
     for object in &room.objects {
@@ -92,7 +105,7 @@ pub fn room_from_model(model: &Model, options: &ImportOptions) -> Imported {
         categories,
         objects: room.objects.len(),
     };
-    Imported { room, report }
+    Ok(Imported { room, report })
 }
 
 #[cfg(test)]

@@ -10,14 +10,20 @@ use super::shape::{self, Shape, Surrounding};
 use super::upright::Stance;
 use crate::assets::Model;
 use crate::math::Aabb;
+use crate::scene::step::{Step, Stopped, report};
 use crate::scene::{Category, Object, ObjectId, ObjectPart, Room};
 
 /// The room of `model`, standing as `stance` says.
-pub fn room(model: &Model, stance: &Stance) -> Room {
-    let atoms = atoms(model, stance.world_from_file);
+///
+/// # Errors
+/// [`Stopped`] when `step` breaks off.
+pub fn room(model: &Model, stance: &Stance, step: Step) -> Result<Room, Stopped> {
+    let atoms = atoms(model, stance.world_from_file, step)?;
     let mut names = HashMap::new();
     let mut objects: Vec<Object> = Vec::new();
-    for (number, members) in clusters(model, &atoms, stance.world_from_file).iter().enumerate() {
+    let clusters = clusters(model, &atoms, stance.world_from_file, step)?;
+    for (number, members) in clusters.iter().enumerate() {
+        report(step, number, clusters.len())?;
         let members: Vec<&Atom> = members.iter().map(|&m| &atoms[m]).collect();
         let name = unique(&mut names, name(model, &members).unwrap_or_else(|| format!("object {number}")));
         objects.push(object(model, &members, stance, ObjectId(number as u32), name));
@@ -25,15 +31,16 @@ pub fn room(model: &Model, stance: &Stance) -> Room {
     let bounds = atoms.iter().fold(Aabb::EMPTY, |all, atom| all.union(atom.bounds));
     let around = Surrounding { bounds, ceiling_m: stance.ceiling_m.unwrap_or(bounds.max.y) };
     for object in objects.iter_mut().filter(|o| o.category == Category::Unlabeled) {
+        report(step, 0, 0)?;
         object.category = shape::category(&Shape::of(object.world_triangles()), &around);
         object.locked = object.category.is_structure();
     }
-    Room {
+    Ok(Room {
         name: model.name.rsplit_once('.').map_or(model.name.as_str(), |(stem, _)| stem).to_string(),
         objects,
         materials: model.materials.clone(),
         textures: model.textures.clone(),
-    }
+    })
 }
 
 /// The name of the member that says what it is, else of the largest.

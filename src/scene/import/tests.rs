@@ -102,7 +102,7 @@ fn found(model: &Model) -> Imported {
     room_from_model(model, &ImportOptions::default())
 }
 
-fn object<'a>(imported: &'a Imported, category: Category) -> Vec<&'a super::super::Object> {
+fn object(imported: &Imported, category: Category) -> Vec<&super::super::Object> {
     imported.room.objects.iter().filter(|o| o.category == category).collect()
 }
 

@@ -10,6 +10,7 @@ use super::names;
 use crate::assets::Model;
 use crate::math::Aabb;
 use crate::scene::Category;
+use crate::scene::step::{Step, Stopped, report};
 
 /// An axis of a file that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -116,12 +117,15 @@ struct Named {
 }
 
 /// Finds out how `model` stands; what `options` say is taken as it is.
-pub fn stance(model: &Model, options: &ImportOptions) -> Stance {
-    let patches = patches(model);
-    let robust = robust_bounds(model, &patches);
+///
+/// # Errors
+/// [`Stopped`] when `step` breaks off.
+pub fn stance(model: &Model, options: &ImportOptions, step: Step) -> Result<Stance, Stopped> {
+    let patches = patches(model, step)?;
+    let robust = robust_bounds(model, &patches, step)?;
     let named = named_things(model);
     let mut evidence = Vec::new();
-    let (up, profile) = choose_up(model, options, &patches, robust, &named, &mut evidence);
+    let (up, profile) = choose_up(model, options, (&patches, robust), &named, &mut evidence, step)?;
     let is_room = looks_like_a_room(&profile);
     if !is_room {
         evidence.push("it does not look like a room: there is no floor with walls around".to_string());
@@ -146,7 +150,7 @@ pub fn stance(model: &Model, options: &ImportOptions) -> Stance {
     let ceiling_m = heights.ceiling.map(|bin| profile.height_of(bin) * unit_scale - floor_m);
     let translation = Vec3::new(-centre_m.x, -floor_m, -centre_m.z);
     let world_from_file = Affine3A::from_mat3_translation(rotation * unit_scale, translation);
-    Stance { up, unit, unit_scale, floor_m, ceiling_m, centre_m, world_from_file, evidence }
+    Ok(Stance { up, unit, unit_scale, floor_m, ceiling_m, centre_m, world_from_file, evidence })
 }
 
 fn is_gltf(model: &Model) -> bool {
@@ -176,19 +180,20 @@ fn named_things(model: &Model) -> Vec<Named> {
 fn choose_up(
     model: &Model,
     options: &ImportOptions,
-    patches: &[Patch],
-    robust: Aabb,
+    (patches, robust): (&[Patch], Aabb),
     named: &[Named],
     evidence: &mut Vec<String>,
-) -> (UpAxis, Profile) {
+    step: Step,
+) -> Result<(UpAxis, Profile), Stopped> {
     let profile = |up: UpAxis| Profile::of(patches, Affine3A::from_mat3(up.upright_from_file()), robust);
     if let Some(up) = options.up {
         evidence.push(format!("{} is up because you said so", up.label()));
-        return (up, profile(up));
+        return Ok((up, profile(up)));
     }
     let mut best: Option<(f32, UpAxis, Profile, Vec<String>)> = None;
     let mut second = f32::NEG_INFINITY;
-    for up in UpAxis::ALL {
+    for (done, up) in UpAxis::ALL.into_iter().enumerate() {
+        report(step, done, UpAxis::ALL.len())?;
         let profile = profile(up);
         let (score, reasons) = up_score(model, up, &profile, named);
         if best.as_ref().is_none_or(|b| score > b.0) {
@@ -198,7 +203,7 @@ fn choose_up(
             second = second.max(score);
         }
     }
-    match best {
+    Ok(match best {
         Some((score, up, profile, reasons)) => {
             let sure = if score - second > 1.5 { "" } else { " (not sure: check it)" };
             let reasons = if reasons.is_empty() { "it fits best".to_string() } else { reasons.join(", ") };
@@ -206,7 +211,7 @@ fn choose_up(
             (up, profile)
         }
         None => (UpAxis::Y, profile(UpAxis::Y)),
-    }
+    })
 }
 
 /// How much speaks for `up`, and the reasons that count most.

@@ -1,0 +1,461 @@
+//! The learned pose space: VPoser's decoder (Pavlakos et al. 2019) with its gradient derived by hand, and its encoder.
+//!
+//! Reads plain numbers from a weight file; names no machine-learning framework and trains nothing. One layer is
+//! `y = b + Σ_i x_i w_i` over rows `w_i` that are contiguous over the outputs: forwards sums rows, backwards takes
+//! dot products with the same rows, so one copy of the weights serves both.
+
+use glam::{Mat3, Vec3};
+
+use crate::assets::{Weights, WeightsError};
+use crate::math::rotation;
+use crate::scene::POSE;
+
+use super::joints::{self as j, BODY_JOINTS, JOINTS, PARENTS};
+use super::pose_space::{BodyPose, PoseSpace, PoseTape};
+
+/// Numbers of a pose as axis-angles.
+const ANGLES: usize = 3 * BODY_JOINTS;
+/// Numbers of a pose as first two columns of rotation matrices.
+const SIXES: usize = 6 * BODY_JOINTS;
+/// Negative slope of the leaky ReLUs (VPoser version 1).
+const SLOPE: f32 = 0.2;
+/// Rows summed at a time: their products stay in registers while the sums are loaded once.
+const ROWS: usize = 8;
+/// Partial sums of a dot product: four registers of four.
+const LANES: usize = 16;
+/// Corrections of an encoded pose, each a step of Gauss and Newton with the first one's slope.
+const CORRECTIONS: usize = 4;
+/// The misfit of a whole pose that weighs as much as one standard deviation of the prior, metres: half a
+/// centimetre, below which nobody sees a difference.
+const ENCODING_M: f32 = 0.005;
+
+/// A layer of weights (inputs, outputs), row-major, and its biases.
+#[derive(Clone, Debug, PartialEq)]
+struct Layer {
+    weight: Vec<f32>,
+    bias: Vec<f32>,
+}
+
+/// Decoder and encoder of the variational pose prior.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseDecoder {
+    decoder: [Layer; 3],
+    encoder: [Layer; 3],
+    /// How far the body moves in metres (root mean square) when a joint turns by one radian.
+    leverage_m: [f32; BODY_JOINTS],
+}
+
+impl PoseDecoder {
+    /// The prior of a weight file with tensors `encoder.{0,1,2}` and `decoder.{0,1,2}`, each `.weight` (inputs,
+    /// outputs) and `.bias`; `rest` are the body's rest joints, which say how much each joint matters.
+    ///
+    /// # Errors
+    /// [`WeightsError`] for the first tensor that is missing or does not fit.
+    pub fn new(weights: &Weights, rest: &[Vec3; JOINTS]) -> Result<Self, WeightsError> {
+        let decoder = layers(weights, "decoder", POSE, SIXES)?;
+        let encoder = layers(weights, "encoder", ANGLES, POSE)?;
+        Ok(Self { decoder, encoder, leverage_m: leverage_m(rest) })
+    }
+
+    /// The encoder's mean: fast, a few degrees off.
+    pub fn encode_roughly(&self, pose: &BodyPose) -> [f32; POSE] {
+        let angles: Vec<f32> = pose.iter().flat_map(|v| v.to_array()).collect();
+        let first = self.encoder[0].forward(&angles, true);
+        let second = self.encoder[1].forward(&first, true);
+        let code = self.encoder[2].forward(&second, false);
+        std::array::from_fn(|i| code[i])
+    }
+
+    /// Weighted misfit: angle errors in metres of leverage over [`ENCODING_M`], in each joint's own frame, and the
+    /// cost `|misfit|² + |code|²` that encoding minimises.
+    fn misfit(
+        &self,
+        rotations: &[Mat3; BODY_JOINTS],
+        pose: &[Mat3; BODY_JOINTS],
+        code: &[f32; POSE],
+    ) -> (Vec<f32>, f32) {
+        let error = |joint: usize| {
+            let between = pose[joint].transpose() * rotations[joint];
+            rotation::axis_angle_from_matrix(between) * (self.leverage_m[joint] / ENCODING_M)
+        };
+        let misfit: Vec<f32> = (0..BODY_JOINTS).flat_map(|joint| error(joint).to_array()).collect();
+        let cost = misfit.iter().chain(code).map(|x| x * x).sum();
+        (misfit, cost)
+    }
+
+    fn rotations(&self, tape: &PoseTape) -> [Mat3; BODY_JOINTS] {
+        let six = &tape.0[tape.0.len() - SIXES..];
+        std::array::from_fn(|joint| rotation::matrix_from_6d(&six_of(six, joint)))
+    }
+
+    /// Change of the misfit per change of the code, (63, 32) row-major.
+    fn slope(&self, tape: &PoseTape) -> Vec<f32> {
+        let [first, second, out] = &self.decoder;
+        let (hidden, six) = (first.bias.len(), &tape.0[tape.0.len() - SIXES..]);
+        let (at_first, at_second) = (&tape.0[..hidden], &tape.0[hidden..2 * hidden]);
+        // Forwards, one row a code number: 32 is less than 63.
+        let mut rows = first.weight.clone();
+        rows.chunks_exact_mut(hidden).for_each(|row| slope_of_leaky(row, at_first));
+        let mut rows = second.forward_many(&rows);
+        rows.chunks_exact_mut(hidden).for_each(|row| slope_of_leaky(row, at_second));
+        let rows = out.forward_many(&rows);
+        let mut slope = vec![0.0; ANGLES * POSE];
+        for joint in 0..BODY_JOINTS {
+            let own = six_of(six, joint);
+            let matrix = rotation::matrix_from_6d(&own);
+            for axis in 0..3 {
+                // The turn about the joint's own axis: dR = R [e]x, so df = <R [e]x / 2, dR>.
+                let turn = matrix * rotation::skew(Vec3::AXES[axis]) * 0.5;
+                let pull = rotation::pull_back_6d(&own, &turn);
+                let scale = self.leverage_m[joint] / ENCODING_M;
+                for (code, row) in rows.chunks_exact(SIXES).enumerate() {
+                    let change: f32 = pull.iter().zip(&row[6 * joint..]).map(|(p, r)| p * r).sum();
+                    slope[(3 * joint + axis) * POSE + code] = scale * change;
+                }
+            }
+        }
+        slope
+    }
+}
+
+impl PoseSpace for PoseDecoder {
+    fn decode_taped(&self, code: &[f32; POSE], tape: &mut PoseTape) -> BodyPose {
+        let [first, second, out] = &self.decoder;
+        let hidden = first.bias.len();
+        tape.0.resize(2 * hidden + SIXES, 0.0);
+        let (at_first, rest) = tape.0.split_at_mut(hidden);
+        let (at_second, six) = rest.split_at_mut(hidden);
+        first.forward_into(code, at_first, true);
+        second.forward_into(at_first, at_second, true);
+        out.forward_into(at_second, six, false);
+        std::array::from_fn(|joint| {
+            rotation::axis_angle_from_matrix(rotation::matrix_from_6d(&six_of(six, joint)))
+        })
+    }
+
+    fn pull_back_taped(&self, _code: &[f32; POSE], tape: &PoseTape, gradient: &BodyPose) -> [f32; POSE] {
+        let [first, second, out] = &self.decoder;
+        let hidden = first.bias.len();
+        let (at_first, rest) = tape.0.split_at(hidden);
+        let (at_second, six) = rest.split_at(hidden);
+        let mut at_six = [0.0; SIXES];
+        for (joint, pull) in gradient.iter().enumerate() {
+            let own = six_of(six, joint);
+            let turn = rotation::pull_back_logarithm(&rotation::matrix_from_6d(&own), *pull);
+            at_six[6 * joint..6 * joint + 6].copy_from_slice(&rotation::pull_back_6d(&own, &turn));
+        }
+        let mut upper = vec![0.0; hidden];
+        let mut lower = vec![0.0; hidden];
+        let mut code = [0.0; POSE];
+        out.backward_into(&at_six, &mut upper);
+        slope_of_leaky(&mut upper, at_second);
+        second.backward_into(&upper, &mut lower);
+        slope_of_leaky(&mut lower, at_first);
+        first.backward_into(&lower, &mut code);
+        code
+    }
+
+    /// The encoder's mean, then a few steps of Gauss and Newton on the decoder: what is kept is a compromise
+    /// between the pose (within some millimetres) and a likely code.
+    fn encode(&self, pose: &BodyPose) -> [f32; POSE] {
+        let target = pose.map(rotation::matrix_from_axis_angle);
+        let mut tape = PoseTape::default();
+        let mut code = self.encode_roughly(pose);
+        self.decode_taped(&code, &mut tape);
+        let (mut misfit, mut cost) = self.misfit(&self.rotations(&tape), &target, &code);
+        let slope = self.slope(&tape);
+        let Some(factor) = normal_factor(&slope) else { return code };
+        for _ in 0..CORRECTIONS {
+            let step = solve(&factor, &downhill(&slope, &misfit, &code));
+            let moved: [f32; POSE] = std::array::from_fn(|i| code[i] + step[i]);
+            self.decode_taped(&moved, &mut tape);
+            let (new_misfit, new_cost) = self.misfit(&self.rotations(&tape), &target, &moved);
+            // Where the slope no longer holds, a step can only harm.
+            if new_cost.is_nan() || new_cost >= cost {
+                break;
+            }
+            (code, misfit, cost) = (moved, new_misfit, new_cost);
+        }
+        code
+    }
+}
+
+impl Layer {
+    fn forward(&self, input: &[f32], active: bool) -> Vec<f32> {
+        let mut output = vec![0.0; self.bias.len()];
+        self.forward_into(input, &mut output, active);
+        output
+    }
+
+    fn forward_into(&self, input: &[f32], output: &mut [f32], active: bool) {
+        output.copy_from_slice(&self.bias);
+        self.add_rows(input, output);
+        if active {
+            output.iter_mut().for_each(|y| *y = if *y < 0.0 { SLOPE * *y } else { *y });
+        }
+    }
+
+    /// Adds `Σ_i input_i weight_i`.
+    fn add_rows(&self, input: &[f32], output: &mut [f32]) {
+        let width = output.len();
+        let blocks = self.weight.chunks(ROWS * width).zip(input.chunks(ROWS));
+        for (rows, x) in blocks {
+            add_block(rows, x, output);
+        }
+    }
+
+    /// Rows of inputs through the weights, without biases. Goes through the weights once, a block of them at a time.
+    fn forward_many(&self, inputs: &[f32]) -> Vec<f32> {
+        let width = self.bias.len();
+        let depth = self.weight.len() / width;
+        let mut outputs = vec![0.0; inputs.len() / depth * width];
+        for (block, rows) in self.weight.chunks(ROWS * width).enumerate() {
+            for (input, output) in inputs.chunks_exact(depth).zip(outputs.chunks_exact_mut(width)) {
+                add_block(rows, &input[block * ROWS..(block * ROWS + rows.len() / width)], output);
+            }
+        }
+        outputs
+    }
+
+    /// Gradient with respect to the inputs, given that with respect to the outputs.
+    fn backward_into(&self, at_output: &[f32], at_input: &mut [f32]) {
+        for (row, x) in self.weight.chunks_exact(at_output.len()).zip(at_input) {
+            *x = dot(row, at_output);
+        }
+    }
+}
+
+/// Adds up to [`ROWS`] rows, each times its factor.
+fn add_block(rows: &[f32], factors: &[f32], output: &mut [f32]) {
+    let width = output.len();
+    if let (Ok(x), true) = (<[f32; ROWS]>::try_from(factors), rows.len() == ROWS * width) {
+        let mut row = rows.chunks_exact(width);
+        let mut next = || row.next().unwrap_or(&[]);
+        let [a, b, c, d] = [next(), next(), next(), next()];
+        let [e, f, g, h] = [next(), next(), next(), next()];
+        let eight = a.iter().zip(b).zip(c).zip(d).zip(e).zip(f).zip(g).zip(h);
+        for (y, (((((((a, b), c), d), e), f), g), h)) in output.iter_mut().zip(eight) {
+            let low = x[0] * a + x[1] * b + (x[2] * c + x[3] * d);
+            let high = x[4] * e + x[5] * f + (x[6] * g + x[7] * h);
+            *y += low + high;
+        }
+        return;
+    }
+    for (row, x) in rows.chunks_exact(width).zip(factors) {
+        output.iter_mut().zip(row).for_each(|(y, w)| *y += x * w);
+    }
+}
+
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    let mut sums = [0.0f32; LANES];
+    let (whole_a, whole_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f32 = whole_a.remainder().iter().zip(whole_b.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in whole_a.zip(whole_b) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    sums.iter().sum::<f32>() + rest
+}
+
+/// Turns a gradient after a leaky ReLU into one before it; the output's sign is the input's.
+fn slope_of_leaky(gradient: &mut [f32], output: &[f32]) {
+    gradient.iter_mut().zip(output).for_each(|(g, y)| *g = if *y < 0.0 { SLOPE * *g } else { *g });
+}
+
+fn six_of(six: &[f32], joint: usize) -> [f32; 6] {
+    std::array::from_fn(|i| six[6 * joint + i])
+}
+
+fn layers(weights: &Weights, part: &str, inputs: usize, outputs: usize) -> Result<[Layer; 3], WeightsError> {
+    let hidden = weights.tensor(&format!("{part}.0.bias"))?.values.len();
+    let layer = |i: usize, shape: [usize; 2]| {
+        Ok(Layer {
+            weight: weights.values(&format!("{part}.{i}.weight"), &shape)?.to_vec(),
+            bias: weights.values(&format!("{part}.{i}.bias"), &shape[1..])?.to_vec(),
+        })
+    };
+    Ok([layer(0, [inputs, hidden])?, layer(1, [hidden, hidden])?, layer(2, [hidden, outputs])?])
+}
+
+/// Root mean square distance of the joints behind each joint, as if each were an equal part of the body's skin.
+fn leverage_m(rest: &[Vec3; JOINTS]) -> [f32; BODY_JOINTS] {
+    let is_behind = |mut joint: usize, ancestor: usize| {
+        while joint > ancestor {
+            joint = PARENTS[joint];
+        }
+        joint == ancestor
+    };
+    // Fingers and face would outvote the limbs: the middle finger and the head's own joint stand for them.
+    let counted: Vec<usize> = (1..j::JAW).chain([j::LEFT_MIDDLE1, j::RIGHT_MIDDLE1]).collect();
+    std::array::from_fn(|i| {
+        let joint = i + 1;
+        let behind = counted.iter().filter(|&&other| other != joint && is_behind(other, joint));
+        let squared: f32 = behind.map(|&other| rest[joint].distance_squared(rest[other])).sum();
+        // A joint without others behind it still turns flesh of about this reach.
+        (squared / counted.len() as f32).sqrt().max(LEAST_LEVERAGE_M)
+    })
+}
+
+/// Balls of the feet, head and wrists: a tenth of a metre of flesh, one of some twenty parts of the body.
+const LEAST_LEVERAGE_M: f32 = 0.02;
+
+/// Cholesky factor of `slopeᵀ slope + 1`, lower triangle; `None` when numbers are not finite.
+fn normal_factor(slope: &[f32]) -> Option<Vec<f32>> {
+    let mut normal = vec![0.0f32; POSE * POSE];
+    for row in slope.chunks_exact(POSE) {
+        for a in 0..POSE {
+            for b in 0..POSE {
+                normal[a * POSE + b] += row[a] * row[b];
+            }
+        }
+    }
+    (0..POSE).for_each(|a| normal[a * POSE + a] += 1.0);
+    for a in 0..POSE {
+        for b in 0..=a {
+            let sum: f32 = (0..b).map(|k| normal[a * POSE + k] * normal[b * POSE + k]).sum();
+            let left = normal[a * POSE + b] - sum;
+            if a == b {
+                if !(left > 0.0 && left.is_finite()) {
+                    return None;
+                }
+                normal[a * POSE + a] = left.sqrt();
+            } else {
+                normal[a * POSE + b] = left / normal[b * POSE + b];
+            }
+        }
+    }
+    Some(normal)
+}
+
+/// Minus half the gradient of the encoding's cost.
+fn downhill(slope: &[f32], misfit: &[f32], code: &[f32; POSE]) -> [f32; POSE] {
+    let mut downhill = code.map(|z| -z);
+    for (row, m) in slope.chunks_exact(POSE).zip(misfit) {
+        downhill.iter_mut().zip(row).for_each(|(d, s)| *d -= s * m);
+    }
+    downhill
+}
+
+/// Solves with the Cholesky factor of [`normal_factor`].
+fn solve(factor: &[f32], right: &[f32; POSE]) -> [f32; POSE] {
+    let mut x = *right;
+    for a in 0..POSE {
+        let sum: f32 = (0..a).map(|k| factor[a * POSE + k] * x[k]).sum();
+        x[a] = (x[a] - sum) / factor[a * POSE + a];
+    }
+    for a in (0..POSE).rev() {
+        let sum: f32 = (a + 1..POSE).map(|k| factor[k * POSE + a] * x[k]).sum();
+        x[a] = (x[a] - sum) / factor[a * POSE + a];
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Body;
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A small decoder of random weights; `turn` scales how far it turns joints.
+    fn random_decoder(turn: f32, seed: u64) -> PoseDecoder {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut weights = Weights::new("random");
+        let mut layer = |part: &str, i: usize, inputs: usize, outputs: usize, scale: f32| {
+            let scale = scale / (inputs as f32).sqrt();
+            let weight = (0..inputs * outputs).map(|_| rng.random_range(-scale..scale)).collect();
+            weights.insert(&format!("{part}.{i}.weight"), &[inputs, outputs], weight);
+            let six = outputs == SIXES;
+            let bias = (0..outputs).map(|o| if six && matches!(o % 6, 0 | 3) { 1.0 } else { 0.0 }).collect();
+            weights.insert(&format!("{part}.{i}.bias"), &[outputs], bias);
+        };
+        for (part, inputs, outputs, scale) in [("decoder", POSE, SIXES, turn), ("encoder", ANGLES, POSE, 1.0)]
+        {
+            layer(part, 0, inputs, 37, 2.0);
+            layer(part, 1, 37, 37, 2.0);
+            layer(part, 2, 37, outputs, scale);
+        }
+        PoseDecoder::new(&weights, &Body::bundled().model.joint_template).expect("weights that fit")
+    }
+
+    fn random_code(rng: &mut ChaCha8Rng) -> [f32; POSE] {
+        std::array::from_fn(|_| rng.random_range(-1.5..1.5))
+    }
+
+    fn check_gradient(decoder: &PoseDecoder, code: &[f32; POSE], gradient: &BodyPose) {
+        let value = |code: &[f32; POSE]| -> f64 {
+            decoder.decode(code).iter().zip(gradient).map(|(a, g)| f64::from(a.dot(*g))).sum()
+        };
+        let analytic = decoder.pull_back(code, gradient);
+        for i in 0..POSE {
+            let side = |step: f32| {
+                let mut moved = *code;
+                moved[i] += step;
+                value(&moved)
+            };
+            let numeric = (side(1e-3) - side(-1e-3)) / 2e-3;
+            let error = (f64::from(analytic[i]) - numeric).abs();
+            assert!(error < 2e-2 + 1e-2 * numeric.abs(), "[{i}]: {} against {numeric}", analytic[i]);
+        }
+    }
+
+    #[test]
+    fn gradients_agree_with_finite_differences() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for turn in [0.3, 1.5] {
+            let decoder = random_decoder(turn, 2);
+            for _ in 0..3 {
+                let code = random_code(&mut rng);
+                let gradient = std::array::from_fn(|_| Vec3::from_array(rng.random()));
+                check_gradient(&decoder, &code, &gradient);
+            }
+        }
+    }
+
+    #[test]
+    fn gradients_hold_where_joints_hardly_turn() {
+        // With these weights every joint turns by less than a thousandth of a radian.
+        let decoder = random_decoder(1e-4, 3);
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let code = random_code(&mut rng);
+        assert!(decoder.decode(&code).iter().all(|v| v.length() < 1e-3));
+        let gradient: BodyPose = std::array::from_fn(|_| Vec3::from_array(rng.random()) * 1e4);
+        check_gradient(&decoder, &code, &gradient);
+        let still = random_decoder(0.0, 3);
+        assert!(still.pull_back(&code, &gradient).iter().all(|g| g.is_finite()));
+    }
+
+    #[test]
+    fn the_slope_that_encoding_uses_is_that_of_the_decoder() {
+        let decoder = random_decoder(0.8, 5);
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let code = random_code(&mut rng);
+        let mut tape = PoseTape::default();
+        decoder.decode_taped(&code, &mut tape);
+        let (slope, here) = (decoder.slope(&tape), decoder.rotations(&tape));
+        for i in 0..POSE {
+            let mut moved = code;
+            moved[i] += 1e-3;
+            decoder.decode_taped(&moved, &mut tape);
+            let (misfit, _) = decoder.misfit(&decoder.rotations(&tape), &here, &moved);
+            for (row, m) in misfit.iter().enumerate() {
+                let (numeric, analytic) = (m / 1e-3, slope[row * POSE + i]);
+                assert!((numeric - analytic).abs() < 0.3 + 0.03 * analytic.abs(), "{numeric} {analytic}");
+            }
+        }
+    }
+
+    #[test]
+    fn encoding_solves_its_normal_equations() {
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        let slope: Vec<f32> = (0..ANGLES * POSE).map(|_| rng.random_range(-1.0..1.0)).collect();
+        let right: [f32; POSE] = std::array::from_fn(|i| (i as f32).sin());
+        let x = solve(&normal_factor(&slope).expect("positive"), &right);
+        let along: Vec<f32> = slope.chunks_exact(POSE).map(|row| dot(row, &x)).collect();
+        for a in 0..POSE {
+            let back = x[a] + (0..ANGLES).map(|row| slope[row * POSE + a] * along[row]).sum::<f32>();
+            assert!((back - right[a]).abs() < 1e-4, "{back} against {}", right[a]);
+        }
+    }
+}

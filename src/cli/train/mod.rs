@@ -1,0 +1,28 @@
+//! `inhabit train`: statistics and networks learned from data, one file a subject.
+
+mod hand_space;
+mod pose_prior;
+
+use clap::Subcommand;
+
+use super::Ended;
+
+/// What can be learned.
+#[derive(Subcommand, Debug)]
+pub enum Train {
+    /// The variational prior over body poses, from motion clips and the program's own pose families.
+    PosePrior(pose_prior::Arguments),
+    /// The Gaussian over hand poses, from motion clips and the program's own hands.
+    HandSpace(hand_space::Arguments),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// When the data can't be used or a file can't be read or written.
+pub fn run(subject: &Train) -> anyhow::Result<Ended> {
+    match subject {
+        Train::PosePrior(arguments) => pose_prior::run(arguments),
+        Train::HandSpace(arguments) => hand_space::run(arguments),
+    }
+}
