@@ -6,8 +6,8 @@ use std::sync::Arc;
 use inhabit::assets::{Budget, read_model_bytes, sample_rooms};
 use inhabit::job::{JobCtx, Seed};
 use inhabit::learn::evaluate_psi::{
-    Evaluation, EvaluationConfig, EvaluationRoom, Evaluator, MethodToEvaluate, RandomPlacement, SearchPlacement,
-    Stage,
+    Evaluation, EvaluationConfig, EvaluationRoom, Evaluator, MethodToEvaluate, RandomPlacement,
+    SearchPlacement, Stage,
 };
 use inhabit::scene::{GeometryConfig, ImportOptions, RoomGeometry, room_from_model};
 

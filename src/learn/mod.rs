@@ -1,6 +1,8 @@
 //! Offline learning: clips and annotations in, statistics and weights out. May not be called from the
 //! document, the renderer or the editor's frame; the command line and jobs run it.
 
+pub mod evaluate_psi;
+
 mod hand_space;
 mod pose_corpus;
 mod pose_loss;

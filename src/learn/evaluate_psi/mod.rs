@@ -10,10 +10,6 @@ mod rows;
 mod run;
 mod tables;
 
-pub use placers::{PlaceRequest, Placer, RandomPlacement, SearchPlacement};
-pub use rows::{
-    Evaluation, MethodRepresentation, MethodRow, Missing, PhysicalRow, RepresentationRow, Stage,
-};
-pub use run::{
-    Encoded, EvaluationConfig, EvaluationRoom, Evaluator, Example, MethodToEvaluate, Representer,
-};
+pub use placers::{LearnedPlacement, PlaceRequest, Placer, RandomPlacement, SearchPlacement};
+pub use rows::{Evaluation, MethodRepresentation, MethodRow, Missing, PhysicalRow, RepresentationRow, Stage};
+pub use run::{Encoded, EvaluationConfig, EvaluationRoom, Evaluator, Example, MethodToEvaluate, Representer};

@@ -1,12 +1,17 @@
+use std::ops::Deref;
+
 use glam::{Mat3, Vec3};
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::body::{Body, FamilyHints, sample_pose};
+use crate::generate::learned::{LearnedSampler, scene_input};
 use crate::generate::sensor::SceneImage;
 use crate::generate::{SearchRequest, search};
 use crate::job::{Rng, Seed, Stop, Ticker};
 use crate::scene::{BETAS, BodyParams, PoseFamily, Room, RoomGeometry};
+
+use super::run::{Encoded, Example, Representer};
 
 /// What a placer is asked for.
 pub struct PlaceRequest<'a> {
@@ -82,7 +87,9 @@ fn random_point(request: &PlaceRequest<'_>, rng: &mut Rng) -> Vec3 {
         );
         let seen = request.image.view.project(point).is_some_and(|(pixel, depth_m)| {
             let (x, y) = (pixel.x as usize, pixel.y as usize);
-            pixel.min_element() >= 0.0 && request.image.valid.contains(x, y) && depth_m <= request.image.max_depth_m
+            pixel.min_element() >= 0.0
+                && request.image.valid.contains(x, y)
+                && depth_m <= request.image.max_depth_m
         });
         if seen {
             break;
@@ -101,5 +108,27 @@ impl Placer for SearchPlacement {
         let body = Body::bundled();
         let found = search(request.room, request.geometry, body, &wanted, request.seed, ticker)?;
         Ok(found.into_iter().map(|p| p.params).collect())
+    }
+}
+
+/// A network of PSI, the program's or one out of a file.
+pub struct LearnedPlacement<S>(pub S);
+
+impl<S: Deref<Target = LearnedSampler> + Send + Sync> Placer for LearnedPlacement<S> {
+    fn place(&self, request: &PlaceRequest<'_>, ticker: &Ticker) -> Result<Vec<BodyParams>, Stop> {
+        Ok(self.0.sample(request.image, request.count, request.seed, ticker, &mut |_| ())?)
+    }
+}
+
+impl<S: Deref<Target = LearnedSampler> + Send + Sync> Representer for LearnedPlacement<S> {
+    fn reconstruct(&self, examples: &[Example]) -> Vec<Encoded> {
+        let scenes: Vec<_> = examples.iter().map(|e| scene_input(&e.image)).collect();
+        let bodies: Vec<_> = examples.iter().map(|e| e.in_camera.to_vector()).collect();
+        let made = self.0.network().reconstruct(&scenes.iter().collect::<Vec<_>>(), &bodies);
+        let encoded = |r: crate::nn::psi::Reconstructed| Encoded {
+            in_camera: BodyParams::from_vector(&r.body),
+            divergence: r.divergence,
+        };
+        made.into_iter().map(encoded).collect()
     }
 }

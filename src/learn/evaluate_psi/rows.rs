@@ -106,8 +106,8 @@ pub struct RepresentationRow {
     pub error: f32,
     /// Eq. 2 and the divergence as a mean over the latent numbers, as the paper's table gives it.
     pub negative_elbo: f32,
-    /// The divergence itself, in nats.
-    pub kl_nats: f32,
+    /// The divergence alone, as a mean over the latent numbers, summed over the stages.
+    pub divergence: f32,
 }
 
 /// Everything that was measured of a method on a set of rooms.
@@ -159,7 +159,8 @@ pub struct Evaluation {
 impl Evaluation {
     /// The figures of a method on a whole set at a stage.
     pub fn of_set(&self, method: &str, set: &str, stage: Stage) -> Option<&PhysicalRow> {
-        let asked = |r: &&MethodRow| r.method == method && r.set == set && r.room.is_none() && r.stage == stage;
+        let asked =
+            |r: &&MethodRow| r.method == method && r.set == set && r.room.is_none() && r.stage == stage;
         self.rows.iter().find(asked)?.figures.as_ref()
     }
 
@@ -190,7 +191,8 @@ mod tests {
 
     #[test]
     fn a_row_is_the_mean_of_its_bodies() {
-        let good = BodyMetrics { psi_non_collision: 1.0, contact_2cm: true, supported: true, ..Default::default() };
+        let good =
+            BodyMetrics { psi_non_collision: 1.0, contact_2cm: true, supported: true, ..Default::default() };
         let bad = BodyMetrics {
             psi_non_collision: 0.5,
             psi_contact: true,

@@ -10,9 +10,12 @@ use crate::body::Body;
 use crate::evolve::{RefineRequest, refine};
 use crate::fit::FitPreset;
 use crate::generate::sensor::{AgentConfig, SceneImage, Sensor, View, agent_views};
-use crate::inspect::{BodyMetrics, Limits, Reconstruction, Site, diversity, inspect_body, kl_divergence_nats};
+use crate::inspect::{BodyMetrics, Limits, Reconstruction, Site, diversity, inspect_body};
 use crate::job::{Cancelled, JobCtx, Seed, Stop};
 use crate::scene::{BodyParams, Room, RoomGeometry};
+
+/// Bodies that a network reconstructs at once; a cancel acts between batches.
+const EXAMPLES_AT_ONCE: usize = 16;
 
 /// How much is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,16 +60,15 @@ pub struct Example {
 pub struct Encoded {
     /// The reconstruction from the mean of the code, camera frame.
     pub in_camera: BodyParams,
-    /// Means of the code.
-    pub mean: Vec<f32>,
-    /// Logarithms of the code's variances.
-    pub log_variance: Vec<f32>,
+    /// Divergence of the code's distribution from the standard normal one: a mean over the latent numbers, summed
+    /// over the stages of the network.
+    pub divergence: f32,
 }
 
 /// A network that encodes and reconstructs bodies.
 pub trait Representer: Send + Sync {
-    /// Encodes a body in its scene and decodes it again.
-    fn reconstruct(&self, example: &Example) -> Encoded;
+    /// Encodes each body in its scene and decodes it again.
+    fn reconstruct(&self, examples: &[Example]) -> Vec<Encoded>;
 }
 
 /// A row of the tables that is to be filled.
@@ -188,10 +190,12 @@ impl Evaluator {
         let places: Vec<(Stage, usize)> =
             stages.flat_map(|s| (0..self.methods.len()).map(move |m| (s, m))).collect();
         let row = |(stage, method): (Stage, usize)| {
-            let cells = rooms.iter().flat_map(|r| &r.cells).filter(|c| (c.method, c.stage) == (method, stage));
+            let cells =
+                rooms.iter().flat_map(|r| &r.cells).filter(|c| (c.method, c.stage) == (method, stage));
             let bodies: Vec<&Measured> = cells.flat_map(|c| &c.bodies).collect();
             let figures = self.methods[method].placer.is_ok().then(|| figures(&bodies, seed));
-            let (method, set, room) = (self.methods[method].name.clone(), set.into(), room.map(str::to_owned));
+            let (method, set, room) =
+                (self.methods[method].name.clone(), set.into(), room.map(str::to_owned));
             MethodRow { method, set, room, stage, figures }
         };
         places.into_par_iter().map(row).collect()
@@ -288,29 +292,25 @@ fn representation(
     examples: &[Example],
     cx: &JobCtx,
 ) -> Result<Option<RepresentationRow>, Cancelled> {
-    let one = |example: &Example| {
-        cx.advance()?;
-        let encoded = representer.reconstruct(example);
-        let projection = example.image.projection();
-        let project = |body: &BodyParams| projection.normalize(body.translation);
-        let found = Reconstruction::of(
-            (&example.in_camera, project(&example.in_camera)),
-            (&encoded.in_camera, project(&encoded.in_camera)),
-        );
-        let (mean, log_variance) = (&encoded.mean, &encoded.log_variance);
-        Ok([
-            found.error(),
-            found.negative_elbo(mean, log_variance),
-            kl_divergence_nats(mean, log_variance),
-        ])
-    };
-    let found: Vec<[f32; 3]> = examples.par_iter().map(one).collect::<Result<_, Cancelled>>()?;
-    let mean = |i: usize| found.iter().map(|f| f[i]).sum::<f32>() / found.len().max(1) as f32;
-    let row = RepresentationRow {
-        bodies: found.len(),
-        error: mean(0),
-        negative_elbo: mean(1),
-        kl_nats: mean(2),
-    };
+    let mut row = RepresentationRow::default();
+    for batch in examples.chunks(EXAMPLES_AT_ONCE) {
+        cx.check()?;
+        for (example, encoded) in batch.iter().zip(representer.reconstruct(batch)) {
+            let projection = example.image.projection();
+            let project = |body: &BodyParams| projection.normalize(body.translation);
+            let found = Reconstruction::of(
+                (&example.in_camera, project(&example.in_camera)),
+                (&encoded.in_camera, project(&encoded.in_camera)),
+            );
+            row.bodies += 1;
+            row.error += found.error();
+            row.negative_elbo += found.negative_elbo(encoded.divergence);
+            row.divergence += encoded.divergence;
+            cx.advance()?;
+        }
+    }
+    let count = row.bodies.max(1) as f32;
+    (row.error, row.negative_elbo, row.divergence) =
+        (row.error / count, row.negative_elbo / count, row.divergence / count);
     Ok((row.bodies > 0).then_some(row))
 }

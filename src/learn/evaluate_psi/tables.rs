@@ -65,7 +65,7 @@ impl Evaluation {
 
     fn table_1(&self) -> String {
         let mut text = String::from(
-            "| model | rec. err. val | rec. err. test | -log P(x) val | -log P(x) test | KL val, nats | KL test, nats | bodies |\n|---|---|---|---|---|---|---|---|\n",
+            "| model | rec. err. val | rec. err. test | -log P(x) val | -log P(x) test | divergence val | divergence test | bodies |\n|---|---|---|---|---|---|---|---|\n",
         );
         for row in &self.representation {
             let cell = |of: &Option<RepresentationRow>, value: fn(&RepresentationRow) -> f32| {
@@ -81,7 +81,7 @@ impl Evaluation {
                 row.method,
                 both(|r| r.error),
                 both(|r| r.negative_elbo),
-                both(|r| r.kl_nats),
+                both(|r| r.divergence),
                 count(&row.validation),
                 count(&row.test)
             );
@@ -164,14 +164,14 @@ impl Evaluation {
 
     /// Table 1 as comma-separated values.
     pub fn representation_csv(&self) -> String {
-        let mut text = String::from("method,split,bodies,error,negative_elbo,kl_nats\n");
+        let mut text = String::from("method,split,bodies,error,negative_elbo,divergence\n");
         for row in &self.representation {
             for (split, found) in [("validation", &row.validation), ("test", &row.test)] {
                 let _ = match found {
                     Some(f) => writeln!(
                         text,
                         "{},{split},{},{},{},{}",
-                        row.method, f.bodies, f.error, f.negative_elbo, f.kl_nats
+                        row.method, f.bodies, f.error, f.negative_elbo, f.divergence
                     ),
                     None => writeln!(text, "{},{split},0,,,", row.method),
                 };
@@ -223,7 +223,13 @@ mod tests {
 
     fn row(method: &str, stage: Stage, free: Option<f32>) -> MethodRow {
         let figures = |free| PhysicalRow { bodies: 10, psi_non_collision: free, ..PhysicalRow::default() };
-        MethodRow { method: method.into(), set: "test rooms".into(), room: None, stage, figures: free.map(figures) }
+        MethodRow {
+            method: method.into(),
+            set: "test rooms".into(),
+            room: None,
+            stage,
+            figures: free.map(figures),
+        }
     }
 
     fn evaluation() -> Evaluation {
@@ -236,7 +242,12 @@ mod tests {
             representation: vec![MethodRepresentation {
                 method: "S1".into(),
                 validation: None,
-                test: Some(RepresentationRow { bodies: 4, error: 0.25, negative_elbo: 0.41, kl_nats: 5.0 }),
+                test: Some(RepresentationRow {
+                    bodies: 4,
+                    error: 0.25,
+                    negative_elbo: 0.41,
+                    divergence: 0.16,
+                }),
             }],
             missing: vec![Missing { method: "S2".into(), why: "no weights".into() }],
         }
@@ -249,7 +260,7 @@ mod tests {
         assert!(text.contains("| S1 + our fit | **0.994** |"), "{text}");
         assert!(text.contains("| S2 | - | - | 0 |"), "{text}");
         assert!(text.contains("S2 has no figures: no weights"), "{text}");
-        assert!(text.contains("| S1 | - | 0.250 | - | 0.410 | - | 5.000 | 0 + 4 |"), "{text}");
+        assert!(text.contains("| S1 | - | 0.250 | - | 0.410 | - | 0.160 | 0 + 4 |"), "{text}");
     }
 
     #[test]
