@@ -18,6 +18,7 @@ mod encode;
 mod error;
 mod gltf;
 mod hash;
+mod keypoints;
 mod mend;
 mod model;
 mod obj;
@@ -36,6 +37,9 @@ pub use deepmimic::read_deepmimic;
 pub use encode::{encode_jpeg, encode_png};
 pub use error::{AssetError, Problem};
 pub use hash::{ContentHasher, NumberHasher, NumberMap, content_hash};
+pub use keypoints::{
+    Keypoint, KeypointSet, PersonKeypoints, PictureKeypoints, read_keypoints, read_keypoints_bytes,
+};
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
 pub use read::{read_model, read_model_bytes};
 pub use rig_motion::{RigJoint, RigMotion};

@@ -3,6 +3,10 @@
 //! Works on snapshots; may not name the document, the renderer or a front end.
 
 mod choose;
+mod estimate;
 mod populate;
+mod refine;
 
+pub use estimate::{EstimateRequest, EstimatedPerson, EstimatorKind, estimate_person, mean_code, pinhole};
 pub use populate::{PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};
+pub use refine::{RefinePreview, RefineRequest, Refined, family_of, refine};

@@ -5,6 +5,7 @@
 
 mod config;
 mod energy;
+pub mod estimation;
 mod fitter;
 mod goals;
 mod probe;

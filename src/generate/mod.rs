@@ -14,5 +14,7 @@ mod pose;
 mod search;
 mod seat_places;
 
-pub use place::Place;
-pub use search::{Proposal, SearchRequest, search};
+pub use cells::Cells;
+pub use place::{Place, support_name};
+pub use search::{Proposal, SearchRequest, all_places, search};
+pub use seat_places::seat_family;

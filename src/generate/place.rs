@@ -41,6 +41,11 @@ pub fn name_of(category: Category, shape: &'static str) -> String {
     }
 }
 
+/// Name of a surface in reports; `shape` where what it belongs to is unknown.
+pub fn support_name(room: &Room, surface: &SupportSurface, shape: &'static str) -> String {
+    name_of(category(room, surface), shape)
+}
+
 /// The horizontal part of a world vector as (x, z).
 pub fn flat(v: Vec3) -> Vec2 {
     Vec2::new(v.x, v.z)

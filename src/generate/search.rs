@@ -86,7 +86,12 @@ pub fn search(
     chosen.par_iter().enumerate().map(propose).collect()
 }
 
-fn all_places(
+/// Everything in the room that affords a pose, in the order of the surfaces: seats, beds and edges to lean
+/// on, then places drawn on the floor and along walls.
+///
+/// # Errors
+/// [`Cancelled`] once the user cancelled.
+pub fn all_places(
     room: &Room,
     geometry: &RoomGeometry,
     seed: Seed,

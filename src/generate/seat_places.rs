@@ -148,6 +148,11 @@ fn faces_a_back(surface: &SupportSurface, edge: &EdgePoint) -> bool {
     surface.backs.iter().any(|b| b.length_m > LEAST_BACK_M && b.direction.dot(edge.outward) > 0.7)
 }
 
+/// How one sits on a surface of a room.
+pub fn seat_family(room: &Room, surface: &SupportSurface) -> PoseFamily {
+    family_of(surface, category(room, surface))
+}
+
 fn family_of(surface: &SupportSurface, category: Category) -> PoseFamily {
     let width = surface.bounds.size().max_element();
     match category {

@@ -4,6 +4,7 @@
 //! May name `math`, `scene`, `body`. Only measures: changes nothing, hides nothing. One record feeds the
 //! worst-first table, the heat map and the JSON report. NaN is always an error.
 
+mod alignment;
 mod body;
 mod diversity;
 mod finding;
@@ -11,6 +12,7 @@ mod hull;
 mod representation;
 mod surface;
 
+pub use alignment::{EstimateErrors, Similarity, mean_distance_mm};
 pub use body::{BodyMetrics, BodyReport, CONTACT_M, inspect_body};
 pub use diversity::{Diversity, FEATURES, diversity, entropy_nats};
 pub use finding::{Finding, Limits, Metric, Site};

@@ -2,11 +2,13 @@
 //! document, the renderer or the editor's frame; the command line and jobs run it.
 
 pub mod evaluate_psi;
+pub mod estimation;
 
 mod hand_space;
 mod pose_corpus;
 mod pose_loss;
 mod pose_prior;
+mod refine_study;
 
 pub use hand_space::fit_hand_space;
 pub use pose_corpus::{PoseCorpus, PoseCorpusConfig, PoseGroup, mirrored};
@@ -14,3 +16,4 @@ pub use pose_loss::{PoseLoss, PoseLossTerms, PoseLossWeights};
 pub use pose_prior::{
     PosePriorConfig, PosePriorPoint, ResumeError, SHIPPED_PRECISION, TrainedPosePrior, train_pose_prior,
 };
+pub use refine_study::{Disturbance, PlausibilityRow, random_placements};

@@ -1,4 +1,4 @@
-//! Rotations (6-D, axis-angle), Adam, boxes, clusters and small statistics. Knows nothing else of the crate.
+//! Rotations (6-D, axis-angle), Adam, L-BFGS, boxes, clusters and small statistics. Knows nothing else of the crate.
 //!
 //! May not name any other module, read files or hold domain types. Names carry frame and unit.
 
@@ -6,9 +6,11 @@ mod aabb;
 mod adam;
 mod eigen;
 mod kmeans;
+mod lbfgs;
 pub mod rotation;
 
 pub use aabb::Aabb;
 pub use adam::{Adam, AdamConfig};
 pub use eigen::symmetric_eigen;
 pub use kmeans::{KMeans, KMeansConfig, kmeans};
+pub use lbfgs::{LbfgsConfig, minimise};

@@ -1,0 +1,62 @@
+//! Cases of a room: the people in it, each seen by virtual cameras around them.
+
+use super::study::Case;
+use crate::body::{Body, Workspace};
+use crate::evolve::mean_code;
+use crate::generate::sensor::{VirtualCameraConfig, virtual_cameras};
+use crate::generate::{SearchRequest, search};
+use crate::job::{Cancelled, Seed, Ticker};
+use crate::scene::{BodyParams, POSE, PoseFamily, Room, RoomGeometry};
+
+/// Samples of a scene over which PSI §4.2 averages the pose code.
+pub const SCENE_SAMPLES: usize = 100;
+
+/// Views of a room's people (their families beside them), at most `views_each` of each, numbered from `first`. The
+/// scene code is left zero: it belongs to a view, and who samples it is the caller's choice.
+pub fn cases_of_room(
+    room: &str,
+    geometry: &RoomGeometry,
+    people: &[(BodyParams, PoseFamily)],
+    views_each: usize,
+    first: u64,
+    seed: Seed,
+) -> Vec<Case> {
+    let body = Body::bundled();
+    let config = VirtualCameraConfig { most: views_each, ..VirtualCameraConfig::default() };
+    let mut workspace = Workspace::default();
+    let mut cases = Vec::new();
+    for (index, (truth, family)) in people.iter().enumerate() {
+        body.forward_joints(truth, &mut workspace);
+        let views =
+            virtual_cameras(geometry, &workspace.joints()[..22], &config, seed.child("views", index as u64));
+        for view in views {
+            let number = first + cases.len() as u64;
+            let truth = truth.clone();
+            cases.push(Case {
+                room: room.to_owned(),
+                number,
+                family: *family,
+                truth,
+                view,
+                scene_code: [0.0; POSE],
+            });
+        }
+    }
+    cases
+}
+
+/// The mean pose code of people that the affordance search proposes for a room: a scene's prior without learning.
+///
+/// # Errors
+/// [`Cancelled`] once the user cancelled.
+pub fn scene_code_by_search(
+    room: &Room,
+    geometry: &RoomGeometry,
+    seed: Seed,
+    ticker: &Ticker,
+) -> Result<[f32; POSE], Cancelled> {
+    let request = SearchRequest { proposals: SCENE_SAMPLES, ..SearchRequest::default() };
+    let proposals = search(room, geometry, Body::bundled(), &request, seed, ticker)?;
+    let samples: Vec<BodyParams> = proposals.into_iter().map(|p| p.params).collect();
+    Ok(mean_code(&samples))
+}
