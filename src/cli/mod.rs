@@ -5,6 +5,7 @@
 
 mod clips;
 mod convert;
+mod corpus;
 mod evaluate;
 mod figures;
 mod generate;
@@ -16,6 +17,8 @@ mod people;
 mod pictures;
 mod progress;
 mod report;
+mod sheet;
+mod stage;
 mod train;
 
 use std::path::PathBuf;
@@ -94,6 +97,8 @@ pub enum Command {
     /// Say how good something is: tables and pictures.
     #[command(subcommand)]
     Evaluate(evaluate::Evaluate),
+    /// Stage a corpus: rooms made by rule, people in them, views of them.
+    Stage(stage::StageArguments),
     /// Convert a room, layout or project to another format.
     Convert(convert::ConvertArguments),
 }
@@ -120,6 +125,12 @@ pub struct Common {
 pub enum Method {
     /// Affordance search: surfaces, heights, clearance, facing.
     Search,
+    /// The one-stage network of PSI, from what a camera sees.
+    S1,
+    /// The two-stage network of PSI: first where, then how.
+    S2,
+    /// The older network that PSI compares with.
+    Baseline,
 }
 
 /// How a command ended, when it did not fail.
@@ -144,6 +155,7 @@ pub fn run(command: Command) -> ExitCode {
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
+        Command::Stage(arguments) => stage::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
     };
     exit_code(result)

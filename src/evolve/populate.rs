@@ -92,12 +92,12 @@ pub struct Populated {
 }
 
 /// A fitted proposal on its way to being chosen.
-struct Candidate {
-    proposal: Proposal,
-    params: BodyParams,
-    report: BodyReport,
-    trace: Trace,
-    seconds: f64,
+pub(super) struct Candidate {
+    pub proposal: Proposal,
+    pub params: BodyParams,
+    pub report: BodyReport,
+    pub trace: Trace,
+    pub seconds: f64,
 }
 
 /// Puts people into a room. The same seed gives the same people, whatever the number of threads.
@@ -159,7 +159,7 @@ fn propose(
     search(room, geometry, Body::bundled(), &wanted, seed, cx.ticker())
 }
 
-fn entry_of_existing(body: &Body, bones: &[BoneSphere], person: &Person) -> Entry {
+pub(super) fn entry_of_existing(body: &Body, bones: &[BoneSphere], person: &Person) -> Entry {
     let mut workspace = Workspace::default();
     body.forward_joints(&person.body, &mut workspace);
     let occupied = Occupied::new(bones, workspace.joints());
@@ -204,7 +204,7 @@ fn fit_all(
 }
 
 /// Moves the best candidates that fit together into the result, until enough are there or none is left.
-fn take_best(
+pub(super) fn take_best(
     body: &Body,
     bones: &[BoneSphere],
     candidates: Vec<Candidate>,

@@ -107,12 +107,14 @@ struct Shared {
 #[derive(Clone)]
 pub struct Ticker {
     shared: Arc<Shared>,
+    /// Whether stages and steps are shown; a cancel is noticed in any case.
+    shown: bool,
 }
 
 impl Ticker {
     fn new(wake: Box<dyn Fn() + Send + Sync>) -> Self {
         let progress = Mutex::new(("starting", 0, 0, Instant::now()));
-        Self { shared: Arc::new(Shared { cancel: AtomicBool::new(false), progress, wake }) }
+        Self { shared: Arc::new(Shared { cancel: AtomicBool::new(false), progress, wake }), shown: true }
     }
 
     /// A ticker that nobody watches, for tests and for library callers.
@@ -120,13 +122,22 @@ impl Ticker {
         Self::new(Box::new(|| ()))
     }
 
+    /// The same job's ticker for a part of it that runs beside other parts: a cancel is noticed, progress is not
+    /// shown.
+    #[must_use]
+    pub fn without_progress(&self) -> Self {
+        Self { shared: self.shared.clone(), shown: false }
+    }
+
     /// Begins a named stage of `total` units.
     ///
     /// # Errors
     /// [`Cancelled`] once the user cancelled.
     pub fn stage(&self, name: &'static str, total: usize) -> Result<(), Cancelled> {
-        *lock(&self.shared.progress) = (name, 0, total, Instant::now());
-        self.wake();
+        if self.shown {
+            *lock(&self.shared.progress) = (name, 0, total, Instant::now());
+            self.wake();
+        }
         self.check()
     }
 
@@ -135,12 +146,13 @@ impl Ticker {
     /// # Errors
     /// [`Cancelled`] once the user cancelled.
     pub fn step(&self, done: usize, total: usize) -> Result<(), Cancelled> {
-        {
+        if self.shown {
             let mut progress = lock(&self.shared.progress);
             progress.1 = done;
             progress.2 = total;
+            drop(progress);
+            self.wake();
         }
-        self.wake();
         self.check()
     }
 
@@ -149,8 +161,10 @@ impl Ticker {
     /// # Errors
     /// [`Cancelled`] once the user cancelled.
     pub fn advance(&self) -> Result<(), Cancelled> {
-        lock(&self.shared.progress).1 += 1;
-        self.wake();
+        if self.shown {
+            lock(&self.shared.progress).1 += 1;
+            self.wake();
+        }
         self.check()
     }
 

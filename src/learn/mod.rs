@@ -2,7 +2,10 @@
 //! document, the renderer or the editor's frame; the command line and jobs run it.
 
 pub mod evaluate_psi;
+pub mod corpus;
 pub mod estimation;
+pub mod psi;
+pub mod stage;
 
 mod hand_space;
 mod pose_corpus;
