@@ -3,9 +3,9 @@
 
 use divan::{Bencher, black_box};
 use glam::{Mat3, Vec3};
+use inhabit::assets::{Precision, Weights};
 use inhabit::generate::learned::LearnedSampler;
 use inhabit::generate::sensor::{Intrinsics, SIDE, SceneImage, Valid, View};
-use inhabit::assets::{Precision, Weights};
 use inhabit::job::{JobCtx, Seed, Ticker};
 use inhabit::learn::corpus::{CorpusView, ViewKind};
 use inhabit::learn::psi::{PsiBody, PsiData, PsiTraining, TrainingInput, TrainingState, train};
@@ -38,13 +38,11 @@ fn corpus() -> PsiData {
 fn step(bencher: Bencher, training: PsiTraining) {
     let data = corpus();
     let training = PsiTraining { epochs: 1, ..training };
-    bencher
-        .with_inputs(|| TrainingState::new(training.clone(), data.id.clone()))
-        .bench_refs(|state| {
-            let input = TrainingInput { data: &data, fields: &[] };
-            let ended = train(state, &input, &JobCtx::headless(Seed::root(0)), &mut |_| Ok(()));
-            assert!(ended.is_ok());
-        });
+    bencher.with_inputs(|| TrainingState::new(training.clone(), data.id.clone())).bench_refs(|state| {
+        let input = TrainingInput { data: &data, fields: &[] };
+        let ended = train(state, &input, &JobCtx::headless(Seed::root(0)), &mut |_| Ok(()));
+        assert!(ended.is_ok());
+    });
 }
 
 #[divan::bench(args = PsiMethod::ALL, sample_count = 20)]
@@ -62,7 +60,8 @@ fn hundred_bodies_from_one_view(bencher: Bencher, method: PsiMethod) {
     let (network, params) = PsiNetwork::declare(&PsiTraining::compact(method).network, 1);
     let mut weights = Weights::new("bench");
     network.store(&params, &mut weights);
-    let weights = Weights::from_bytes("bench", &weights.to_bytes(Precision::Half).expect("bytes")).expect("weights");
+    let weights =
+        Weights::from_bytes("bench", &weights.to_bytes(Precision::Half).expect("bytes")).expect("weights");
     let image = image(0);
     // Reading the weights is part of what a user waits for the first time.
     bencher.bench(|| {

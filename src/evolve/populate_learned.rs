@@ -5,9 +5,7 @@ use std::time::Instant;
 use glam::Vec3;
 
 use super::choose::Entry;
-use super::populate::{
-    Candidate, PopulatePreview, PopulateRequest, Populated, entry_of_existing, take_best,
-};
+use super::populate::{Candidate, PopulatePreview, PopulateRequest, Populated, entry_of_existing, take_best};
 use super::refine::{RefineRequest, Refined, refine};
 use crate::body::{Body, Workspace};
 use crate::fit::bone_spheres;

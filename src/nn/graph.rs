@@ -108,6 +108,11 @@ impl Graph {
 
     /// The running statistics that the forward pass changed.
     pub fn statistics(&self) -> Vec<(ParamId, Vec<f32>)> {
-        self.statistics.lock().unwrap_or_else(PoisonError::into_inner).iter().map(|(id, value)| (*id, numbers(value))).collect()
+        self.statistics
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .iter()
+            .map(|(id, value)| (*id, numbers(value)))
+            .collect()
     }
 }

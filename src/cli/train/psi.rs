@@ -15,9 +15,7 @@ use super::super::{Common, Ended, use_threads};
 use crate::assets::{Weights, encode_png};
 use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::learn::corpus::{RoomEntry, Split, corpus_geometry};
-use crate::learn::psi::{
-    History, LossPreset, PsiData, PsiTraining, TrainingInput, TrainingState, train,
-};
+use crate::learn::psi::{History, LossPreset, PsiData, PsiTraining, TrainingInput, TrainingState, train};
 use crate::nn::psi::{PsiConfig, PsiMethod};
 use crate::render::plot::{Curve, LineChart, Scale, VerticalMark, line_chart};
 use crate::scene::{SignedDistanceField, bake_cached};
@@ -159,7 +157,12 @@ impl Arguments {
             SemanticsInput::Embedding => base.network.clone(),
             SemanticsInput::Scalar => {
                 let published = PsiConfig::published(method);
-                PsiConfig { semantics: published.semantics, valid_mask: false, camera_scale: false, ..base.network.clone() }
+                PsiConfig {
+                    semantics: published.semantics,
+                    valid_mask: false,
+                    camera_scale: false,
+                    ..base.network.clone()
+                }
             }
         };
         let preset = match self.loss {
@@ -238,7 +241,12 @@ fn read_fields(folder: &Path, ticker: &Ticker) -> Result<Vec<SignedDistanceField
     let field = |entry: &RoomEntry| {
         let field = match entry.split {
             Split::Train => read_field(folder, entry, ticker)?,
-            _ => SignedDistanceField { dim: [2; 3], origin: Vec3::ZERO, cell_m: Vec3::ONE, values: vec![1.0; 8] },
+            _ => SignedDistanceField {
+                dim: [2; 3],
+                origin: Vec3::ZERO,
+                cell_m: Vec3::ONE,
+                values: vec![1.0; 8],
+            },
         };
         ticker.advance()?;
         Ok(field)
@@ -272,7 +280,8 @@ fn write_curves(out: &Path, training: &PsiTraining, history: &History) -> anyhow
         return Ok(());
     }
     let names = history.rows[0].curves().map(|(name, _)| name);
-    let points = |c: usize| history.rows.iter().map(|r| [r.epoch as f64, f64::from(r.curves()[c].1)]).collect();
+    let points =
+        |c: usize| history.rows.iter().map(|r| [r.epoch as f64, f64::from(r.curves()[c].1)]).collect();
     let curve = |(c, name): (usize, &str)| Curve { name: name.replace('_', " "), points: points(c) };
     let counts = |curve: &Curve| curve.points.iter().any(|[_, y]| *y > 0.0);
     let late = training.late_epoch() as f64;

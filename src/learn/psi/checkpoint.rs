@@ -3,10 +3,10 @@
 use super::config::PsiTraining;
 use super::history::History;
 use crate::assets::{Precision, Weights, WeightsError};
+use crate::job::Seed;
 use crate::math::AdamConfig;
 use crate::nn::psi::{Discriminator, PsiMethod, PsiNetwork};
 use crate::nn::{NetworkAdam, Params};
-use crate::job::Seed;
 
 const TRAINING_NOTE: &str = "training";
 const HISTORY_NOTE: &str = "history";
@@ -18,7 +18,9 @@ const CORPUS_NOTE: &str = "corpus";
 #[derive(Debug, thiserror::Error)]
 pub enum TrainError {
     /// Nobody to learn from.
-    #[error("the corpus has no body of the training split that any of its views shows; stage one with `inhabit stage`")]
+    #[error(
+        "the corpus has no body of the training split that any of its views shows; stage one with `inhabit stage`"
+    )]
     NoBodies,
     /// The checkpoint is of another training.
     #[error(
@@ -34,7 +36,9 @@ pub enum TrainError {
     #[error(transparent)]
     Weights(#[from] WeightsError),
     /// The scene loss has no distance fields.
-    #[error("the scene loss needs the distance field of each room of the corpus, {found} of {needed} are there")]
+    #[error(
+        "the scene loss needs the distance field of each room of the corpus, {found} of {needed} are there"
+    )]
     NoFields {
         /// Fields given.
         found: usize,

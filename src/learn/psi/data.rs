@@ -2,9 +2,9 @@ use glam::{Affine3A, Mat3, Vec3};
 use rand::RngExt as _;
 use rayon::prelude::*;
 
+use crate::assets::content_hash;
 use crate::body::{Body, BodyModel, BodyPose};
 use crate::generate::sensor::{Projection, SIDE};
-use crate::assets::content_hash;
 use crate::job::Seed;
 use crate::learn::corpus::{Corpus, CorpusPerson, CorpusView, Split};
 use crate::learn::mirrored;
@@ -83,7 +83,12 @@ impl PsiData {
     /// ever seen in training.
     pub fn from_corpus(corpus: Corpus) -> Self {
         let text = corpus.manifest.to_ron().unwrap_or_default();
-        let id = format!("{}, seed {}, {:032x}", corpus.manifest.about, corpus.manifest.seed, content_hash(text.as_bytes()));
+        let id = format!(
+            "{}, seed {}, {:032x}",
+            corpus.manifest.about,
+            corpus.manifest.seed,
+            content_hash(text.as_bytes())
+        );
         let mut data = Self { id, ..Self::default() };
         for (room, of) in corpus.rooms.into_iter().enumerate().filter(|(_, r)| r.split != Split::Test) {
             let first = data.views.len();

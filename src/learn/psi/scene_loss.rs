@@ -38,7 +38,12 @@ impl SceneLoss {
         ids.dedup();
         let contact = (0..ids.len() as u32).collect();
         let vertices = body.model.template.len() as u32;
-        ids.extend((0..vertices).step_by(STRIDE as usize).filter(|v| ids.binary_search(v).is_err()).collect::<Vec<_>>());
+        ids.extend(
+            (0..vertices)
+                .step_by(STRIDE as usize)
+                .filter(|v| ids.binary_search(v).is_err())
+                .collect::<Vec<_>>(),
+        );
         let subset = VertexSubset::new(&body.model, ids);
         Self { subset, contact, contact_weight, collision_weight, robust_c_m }
     }

@@ -28,7 +28,9 @@ fn corpus(people: usize) -> PsiData {
     for person in 0..people {
         let mut rng = Seed::root(7).child("person", person as u64).rng();
         let family = [PoseFamily::Stand, PoseFamily::SitChair][person % 2];
-        let pose = sample_pose(&Body::bundled().model.joint_template, family, &mut rng, &FamilyHints::default()).pose;
+        let pose =
+            sample_pose(&Body::bundled().model.joint_template, family, &mut rng, &FamilyHints::default())
+                .pose;
         let at = Vec3::new(rng.random_range(-0.8..0.8), 0.9, rng.random_range(-0.8..0.8));
         let mut params = BodyParams { translation: at, ..BodyParams::default() };
         params.set_rotation(&Mat3::from_rotation_y(rng.random_range(0.0..6.0)));
@@ -113,7 +115,8 @@ fn a_resumed_training_ends_with_the_same_bytes() {
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let data = corpus(6);
-    let training = PsiTraining { scene_loss: true, mirror: true, depth_noise: 0.01, ..settings(PsiMethod::S1, 3) };
+    let training =
+        PsiTraining { scene_loss: true, mirror: true, depth_noise: 0.01, ..settings(PsiMethod::S1, 3) };
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| run(&training, &data, usize::MAX).0.weights().expect("bytes"))
@@ -144,7 +147,8 @@ fn the_scene_loss_branches_off_late_and_a_foreign_checkpoint_is_refused() {
 /// A body in its picture, and a vector near it.
 fn item(mirrored: bool) -> (Item, [f32; PARAMS]) {
     let data = corpus(3);
-    let draws = (0..64).map(|s| data.draw(&data.train[1], Augment { mirror: true, depth_noise: 0.0 }, Seed::root(s)));
+    let draws =
+        (0..64).map(|s| data.draw(&data.train[1], Augment { mirror: true, depth_noise: 0.0 }, Seed::root(s)));
     let reflects = |i: &Item| i.world_from_camera.matrix3.determinant() < 0.0;
     let item = draws.into_iter().find(|i| reflects(i) == mirrored).expect("both kinds");
     let mut x = item.body;
@@ -214,7 +218,11 @@ fn a_gradient_put_into_the_graph_comes_out_at_the_network_s_output() {
             of_metres(&m).contact
         };
         let numeric = (moved(5e-3) - moved(-5e-3)) / 1e-2;
-        assert!((analytic[k] - numeric).abs() < 5e-3 + 0.03 * numeric.abs(), "{k}: {} {numeric}", analytic[k]);
+        assert!(
+            (analytic[k] - numeric).abs() < 5e-3 + 0.03 * numeric.abs(),
+            "{k}: {} {numeric}",
+            analytic[k]
+        );
     }
 }
 
@@ -223,7 +231,8 @@ fn what_the_discriminator_sees_and_its_gradient_agree_with_finite_differences() 
     let body = Body::bundled();
     let projector = Projector::new(body);
     let (item, x) = item(false);
-    let weights: Vec<f32> = (0..projector.features(body, &item.scene, &x).len()).map(|i| (i as f32 * 0.7).sin()).collect();
+    let weights: Vec<f32> =
+        (0..projector.features(body, &item.scene, &x).len()).map(|i| (i as f32 * 0.7).sin()).collect();
     let value = |x: &[f32; PARAMS]| -> f32 {
         projector.features(body, &item.scene, x).iter().zip(&weights).map(|(f, w)| f * w).sum()
     };
@@ -235,7 +244,11 @@ fn what_the_discriminator_sees_and_its_gradient_agree_with_finite_differences() 
             value(&x)
         };
         let numeric = (moved(1e-4) - moved(-1e-4)) / 2e-4;
-        assert!((gradient[k] - numeric).abs() < 0.15 + 0.05 * numeric.abs(), "x[{k}]: {} {numeric}", gradient[k]);
+        assert!(
+            (gradient[k] - numeric).abs() < 0.15 + 0.05 * numeric.abs(),
+            "x[{k}]: {} {numeric}",
+            gradient[k]
+        );
     }
 }
 

@@ -118,7 +118,8 @@ fn epoch(
     let steps = order.len().div_ceil(state.training.batch);
     for (step, chosen) in order.chunks(state.training.batch).enumerate() {
         let seed = seed.child("step", step as u64);
-        let draw = |(i, body): (usize, &usize)| data.draw(&data.train[*body], augment, seed.child("item", i as u64));
+        let draw =
+            |(i, body): (usize, &usize)| data.draw(&data.train[*body], augment, seed.child("item", i as u64));
         let items: Vec<Item> = chosen.par_iter().enumerate().map(draw).collect();
         let progress = state.epoch as f32 + step as f32 / steps as f32;
         row.add(&one_step(state, tools, &items, progress, seed.child("noise", 0)));
@@ -233,7 +234,8 @@ fn add_adversary(
     let rate = state.training.rate(progress);
     let weight = state.training.weights.adversarial;
     let Some((layers, trained)) = &mut state.discriminator else { return };
-    let features = |(item, body): (&Item, &[f32; BODY])| tools.projector.features(tools.body, &item.scene, body);
+    let features =
+        |(item, body): (&Item, &[f32; BODY])| tools.projector.features(tools.body, &item.scene, body);
     let real: Vec<f32> = items.par_iter().map(|i| features((i, &i.body))).flatten_iter().collect();
     let fake: Vec<f32> = items.par_iter().zip(given).map(features).flatten_iter().collect();
     let shape = [items.len(), real.len() / items.len()];
@@ -276,7 +278,9 @@ pub fn evaluate_reconstruction(
     let bodies: Vec<&PsiBody> = bodies.iter().step_by(bodies.len().div_ceil(most.max(1)).max(1)).collect();
     let (mut error, mut divergence) = (0.0, 0.0);
     for (b, batch) in bodies.chunks(64).enumerate() {
-        let draw = |(i, body): (usize, &&PsiBody)| data.draw(body, Augment::NONE, seed.child("view", (b * 64 + i) as u64));
+        let draw = |(i, body): (usize, &&PsiBody)| {
+            data.draw(body, Augment::NONE, seed.child("view", (b * 64 + i) as u64))
+        };
         let items: Vec<Item> = batch.par_iter().enumerate().map(draw).collect();
         let scenes: Vec<&SceneInput> = items.iter().map(|i| &i.scene).collect();
         let given: Vec<[f32; BODY]> = items.iter().map(|i| i.body).collect();
@@ -291,9 +295,8 @@ pub fn evaluate_reconstruction(
 
 /// Eq. 2 of one body, camera frame, metres.
 pub fn reconstruction_error(scene: &SceneInput, truth: &[f32; BODY], made: &[f32; BODY]) -> f32 {
-    let off = |a: &[f32], b: &[f32]| {
-        a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f32>() / a.len() as f32
-    };
+    let off =
+        |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f32>() / a.len() as f32;
     let place = |x: &[f32; BODY]| scene.normalize([x[0], x[1], x[2]]);
     0.5 * (off(&truth[..3], &made[..3]) + off(&place(truth), &place(made))) + off(&truth[3..], &made[3..])
 }

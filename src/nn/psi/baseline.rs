@@ -260,7 +260,9 @@ mod tests {
         let shares = [0.2, 0.5, 0.3];
         assert_eq!([0.1, 0.3, 0.69, 0.71, 1.0].map(|s| choose(&shares, s)), [0, 1, 1, 2, 2]);
         assert!((normal_to_share(0.0) - 0.5).abs() < 1e-6);
-        assert!((normal_to_share(1.0) - 0.8413).abs() < 1e-3 && (normal_to_share(-1.645) - 0.05).abs() < 1e-3);
+        assert!(
+            (normal_to_share(1.0) - 0.8413).abs() < 1e-3 && (normal_to_share(-1.645) - 0.05).abs() < 1e-3
+        );
     }
 
     #[test]

@@ -157,7 +157,8 @@ fn planes(config: &PsiConfig, scene: &SceneInput) -> Vec<Vec<f32>> {
     let plane = |value: &dyn Fn(usize) -> f32| -> Vec<f32> {
         (0..IMAGE * IMAGE).map(|at| if scene.valid.contains(at) { value(at) } else { 0.0 }).collect()
     };
-    let mut planes = vec![plane(&|at| 2.0 * scene.depth_m[at].min(scene.max_depth_m) / scene.max_depth_m - 1.0)];
+    let mut planes =
+        vec![plane(&|at| 2.0 * scene.depth_m[at].min(scene.max_depth_m) / scene.max_depth_m - 1.0)];
     if config.valid_mask {
         planes.push(plane(&|_| 1.0));
     }

@@ -195,7 +195,8 @@ impl PsiSampler {
         let scene_tensors = SceneTensors::new(self.config(), &scenes[..count], &self.device);
         let given: Vec<f32> = scenes.iter().zip(bodies).flat_map(|(s, b)| normalized(s, b)).collect();
         let given = tensor(given, [count, BODY], &self.device);
-        let noise = tensor(vec![0.0; count * self.config().noise()], [count, self.config().noise()], &self.device);
+        let noise =
+            tensor(vec![0.0; count * self.config().noise()], [count, self.config().noise()], &self.device);
         let made = self.network.reconstruct(&self.graph, &scene_tensors, given, noise);
         let divergences: Vec<Vec<f32>> = made.posteriors.iter().map(divergence_of_each).collect();
         let bodies = numbers(&made.body);

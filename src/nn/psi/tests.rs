@@ -78,7 +78,8 @@ fn the_framework_s_gradients_agree_with_finite_differences() {
             let scenes = SceneTensors::new(network.config(), &[&a, &b], g.device());
             let bodies = tensor(codes(2, BODY), [2, BODY], g.device());
             let noise = network.config().noise();
-            let made = network.reconstruct(&g, &scenes, bodies, tensor(codes(2, noise), [2, noise], g.device()));
+            let made =
+                network.reconstruct(&g, &scenes, bodies, tensor(codes(2, noise), [2, noise], g.device()));
             let divergence = made.posteriors.iter().map(Posterior::divergence).reduce(|a, b| a + b);
             (made.body.square().mean() + divergence.expect("a stage"), g)
         };
@@ -96,7 +97,10 @@ fn the_framework_s_gradients_agree_with_finite_differences() {
             };
             let numeric = (moved(2e-2) - moved(-2e-2)) / 4e-2;
             let analytic = gradients[at][k];
-            assert!((analytic - numeric).abs() < 2e-4 + 0.03 * numeric.abs(), "{method:?}: {analytic} {numeric}");
+            assert!(
+                (analytic - numeric).abs() < 2e-4 + 0.03 * numeric.abs(),
+                "{method:?}: {analytic} {numeric}"
+            );
         }
     }
 }

@@ -67,7 +67,12 @@ impl SceneEncoder {
         for (layer, [from, to], stride) in [(1, [first, first], 1), (2, [first, second], 2)] {
             for block in 0..config.trunk.blocks {
                 let (channels, stride) = if block == 0 { ([from, to], stride) } else { ([to, to], 1) };
-                blocks.push(BasicBlock::declare(d, &format!("{name}.layer{layer}.{block}"), channels, stride));
+                blocks.push(BasicBlock::declare(
+                    d,
+                    &format!("{name}.layer{layer}.{block}"),
+                    channels,
+                    stride,
+                ));
             }
         }
         let shape = ConvShape { channels: [second, head], kernel: 3, stride: 1 };
@@ -93,17 +98,17 @@ impl SceneEncoder {
         let x = if self.pool { max_pool(x) } else { x };
         let x = self.blocks.iter().fold(x, |x, block| block.forward(g, x));
         let flat = self.head.forward(g, x).reshape([scenes.batch, self.flat]);
-        let flat =
-            if self.camera_scale { Tensor::cat(vec![flat, scenes.camera.clone()], 1) } else { flat };
+        let flat = if self.camera_scale { Tensor::cat(vec![flat, scenes.camera.clone()], 1) } else { flat };
         self.lift.forward(g, flat)
     }
 
     /// `[batch, channels, h, w]` after the first layer.
     fn stem(&self, g: &Graph, scenes: &SceneTensors) -> Tensor<4> {
         let batch = scenes.batch;
-        let embedded = self.embedding.zip(scenes.labels.clone()).map(|((table, size), labels)| {
-            (module::embedding(g.param::<2>(table), labels), size)
-        });
+        let embedded = self
+            .embedding
+            .zip(scenes.labels.clone())
+            .map(|((table, size), labels)| (module::embedding(g.param::<2>(table), labels), size));
         match (&self.stem, scenes.pixels.clone()) {
             (StemLayer::Conv(conv), Pixels::Planes(planes)) => {
                 let input = match embedded {

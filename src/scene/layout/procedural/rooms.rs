@@ -13,6 +13,11 @@ use super::plan::AtWall;
 use super::{RoomType, stock};
 use crate::scene::layout::{Item, Placement};
 
+/// Share of the floor that furniture takes in lived-in rooms: a quarter to a third and a little.
+const FURNISHED_SHARE: (f32, f32) = (0.2, 0.36);
+/// Tries to add something more: a room that is hard to furnish stays emptier.
+const FILL_TRIES: usize = 16;
+
 /// The sizes that a kind of room comes in.
 pub fn sizes(kind: RoomType) -> Sizes {
     let sizes = |width_m, depth_m, l_shaped, windows| Sizes { width_m, depth_m, l_shaped, windows };
@@ -49,6 +54,8 @@ pub fn furnish(kind: RoomType, recipe: &mut Recipe<'_>) -> bool {
         RoomType::Guest => recipe.guest(),
     };
     if essential {
+        recipe.fill_up(kind);
+        recipe.finishing_touches();
         recipe.pictures();
         recipe.ceiling_lamp();
     }
@@ -93,7 +100,6 @@ impl Recipe<'_> {
         self.maybe(55, kits::reading_place);
         self.maybe(50, kits::chest);
         self.maybe(25, |dice, palette| kits::desk(dice, palette, DeskKind::AtWall));
-        self.finishing_touches();
         sofa
     }
 
@@ -154,7 +160,6 @@ impl Recipe<'_> {
         });
         self.maybe(25, |dice, palette| kits::shelves(dice, palette, 1));
         self.maybe(25, kits::extra_seat);
-        self.finishing_touches();
         bed
     }
 
@@ -198,7 +203,6 @@ impl Recipe<'_> {
         }
         self.maybe(30, kits::reading_place);
         self.maybe(25, kits::chest);
-        self.finishing_touches();
         placed > 0
     }
 
@@ -224,7 +228,6 @@ impl Recipe<'_> {
         self.maybe(35, |dice, palette| kits::shelves(dice, palette, 2));
         self.maybe(35, kits::extra_seat);
         self.maybe(30, kits::reading_place);
-        self.finishing_touches();
         table
     }
 
@@ -240,7 +243,6 @@ impl Recipe<'_> {
         self.maybe(70, |dice, palette| kits::desk(dice, palette, DeskKind::AtWall));
         self.maybe(80, kits::wardrobe);
         self.maybe(40, |dice, palette| kits::shelves(dice, palette, 2));
-        self.finishing_touches();
         bed && sofa
     }
 
@@ -266,7 +268,6 @@ impl Recipe<'_> {
         }
         self.maybe(35, kits::extra_seat);
         self.maybe(45, |dice, palette| kits::shelves(dice, palette, 2));
-        self.finishing_touches();
         seats > 0
     }
 
@@ -285,7 +286,6 @@ impl Recipe<'_> {
         if self.dice.chance(60) {
             self.open_until_placed(2, kits::open_rug);
         }
-        self.finishing_touches();
         bed
     }
 
@@ -298,8 +298,43 @@ impl Recipe<'_> {
         self.maybe(40, |dice, palette| kits::desk(dice, palette, DeskKind::AtWall));
         self.maybe(40, kits::extra_seat);
         self.maybe(35, |dice, palette| kits::shelves(dice, palette, 1));
-        self.finishing_touches();
         bed
+    }
+
+    /// Adds what belongs into such a room until a usual share of the floor is taken or nothing more fits.
+    fn fill_up(&mut self, kind: RoomType) {
+        let wanted = self.dice.between(FURNISHED_SHARE.0, FURNISHED_SHARE.1);
+        for _ in 0..FILL_TRIES {
+            let taken: f32 = self.room.plan.solids.iter().map(|s| s.size().element_product()).sum();
+            if taken > wanted * self.room.plan.area_m2() {
+                break;
+            }
+            self.something_more(kind);
+        }
+    }
+
+    fn something_more(&mut self, kind: RoomType) -> bool {
+        let height_m = self.height_m;
+        let seats = |dice: &mut Dice, palette: &Palette| kits::row_of_seats(dice, palette, 2.6);
+        match (kind, self.dice.count(0, 9)) {
+            (RoomType::Lounge, 0..=2) => self.until_placed(1, seats),
+            (RoomType::Lounge, n) if (3..5).contains(&n) => {
+                self.until_placed(1, |d, p| kits::sofa_corner(d, p, 2.6, true))
+            }
+            (RoomType::Lounge, 5) => self.open_until_placed(1, kits::island),
+            (RoomType::Office, 0..=2) => self.until_placed(1, |d, p| kits::desk(d, p, DeskKind::AtWall)),
+            (RoomType::Living, 0..=1) => self.until_placed(1, |d, p| kits::sofa_corner(d, p, 2.2, false)),
+            (RoomType::Living | RoomType::Studio, 2) => {
+                self.open_until_placed(1, |d, p| kits::dining(d, p, 1.5, height_m))
+            }
+            (RoomType::Bedroom | RoomType::Guest, 0..=1) => self.until_placed(1, kits::wardrobe),
+            (RoomType::Dining, 0..=1) => self.open_until_placed(1, kits::island),
+            (RoomType::Children, 0..=1) => self.open_until_placed(1, kits::play_table),
+            (_, n) if n < 4 => self.until_placed(1, kits::reading_place),
+            (_, n) if n < 6 => self.until_placed(1, |dice, palette| kits::shelves(dice, palette, 2)),
+            (_, n) if n < 8 => self.until_placed(1, kits::chest),
+            _ => self.until_placed(1, kits::extra_seat),
+        }
     }
 
     /// Plants, lamps and shoes where there is still room.
