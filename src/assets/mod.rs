@@ -44,6 +44,7 @@ pub use keypoints::{
     Keypoint, KeypointSet, PersonKeypoints, PictureKeypoints, read_keypoints, read_keypoints_bytes,
 };
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
+pub use picture::read_photo;
 pub use read::{read_model, read_model_bytes};
 pub use rig_motion::{RigJoint, RigMotion};
 pub use samples::{SampleRoom, sample_rooms};

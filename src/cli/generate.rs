@@ -9,7 +9,6 @@ use glam::Vec3;
 
 use super::load::{self, Loaded};
 use super::output::OutputFolder;
-use super::people::person_glb;
 use super::pictures::Photographer;
 use super::progress::run_job;
 use super::report::{BodyRow, GenerateReport, Seconds, Summary};
@@ -21,7 +20,7 @@ use crate::evolve::{LearnedRequest, PopulateRequest, Populated, populate, popula
 use crate::generate::learned::{LearnedMethod, LearnedSampler};
 use crate::job::{JobCtx, Seed};
 use crate::nn::psi::PsiMethod;
-use crate::render::BodySurface;
+use crate::render::{BodySurface, person_glb};
 use crate::scene::{Person, PoseFamily, RoomGeometry, Scene};
 
 /// How many people come when nobody says.

@@ -9,6 +9,6 @@ mod populate_learned;
 mod refine;
 
 pub use estimate::{EstimateRequest, EstimatedPerson, EstimatorKind, estimate_person, mean_code, pinhole};
-pub use populate::{PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};
+pub use populate::{OnCancel, PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};
 pub use populate_learned::{LearnedRequest, populate_learned};
 pub use refine::{RefinePreview, RefineRequest, Refined, family_of, refine};

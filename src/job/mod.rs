@@ -197,23 +197,30 @@ pub struct JobCtx<P = ()> {
     /// Root of this job's seed tree.
     pub seed: Seed,
     ticker: Ticker,
-    preview: Arc<Mutex<Option<P>>>,
+    show: Arc<dyn Fn(P) + Send + Sync>,
 }
 
-impl<P> JobCtx<P> {
+impl<P: 'static> JobCtx<P> {
     /// A context without a window: nobody reads the previews.
     pub fn headless(seed: Seed) -> Self {
-        Self { seed, ticker: Ticker::silent(), preview: Arc::default() }
+        Self::watched(seed, Ticker::silent())
     }
 
     /// A headless context whose progress is shown through `ticker` and can be cancelled by it.
     pub fn watched(seed: Seed, ticker: Ticker) -> Self {
-        Self { seed, ticker, preview: Arc::default() }
+        Self { seed, ticker, show: Arc::new(|_| ()) }
+    }
+
+    /// A context for a part of this job whose previews are of another type: `map` turns them into this job's.
+    pub fn mapped<Q: 'static>(&self, map: impl Fn(Q) -> P + Send + Sync + 'static) -> JobCtx<Q> {
+        let show = self.show.clone();
+        let show = Arc::new(move |value: Q| show(map(value)));
+        JobCtx { seed: self.seed, ticker: self.ticker.clone(), show }
     }
 
     /// Overwrites the preview; the window shows the newest only, none are queued.
     pub fn preview(&self, value: P) {
-        *lock(&self.preview) = Some(value);
+        (self.show)(value);
         self.ticker.wake();
     }
 
@@ -251,8 +258,11 @@ impl<T: Send + 'static, P: Send + 'static> Job<T, P> {
     ) -> Self {
         let name = name.into();
         let ticker = Ticker::new(Box::new(wake));
-        let cx = JobCtx { seed, ticker: ticker.clone(), preview: Arc::default() };
-        let (preview, outcome) = (cx.preview.clone(), Arc::new(Mutex::new(None)));
+        let preview = Arc::new(Mutex::new(None));
+        let newest = preview.clone();
+        let show = Arc::new(move |value: P| *lock(&newest) = Some(value));
+        let cx = JobCtx { seed, ticker: ticker.clone(), show };
+        let outcome = Arc::new(Mutex::new(None));
         let slot = outcome.clone();
         let run = move || {
             let ended = run_caught(|| work(&cx));
@@ -338,6 +348,17 @@ mod tests {
         assert_eq!(job.take_preview(), Some(99));
         assert_eq!(job.take_preview(), None);
         assert_eq!(job.progress().done, 99);
+    }
+
+    #[test]
+    fn a_part_of_a_job_shows_its_own_previews_as_those_of_the_job() {
+        let work = |cx: &JobCtx<String>| {
+            cx.mapped(|number: u32| format!("{number} done")).preview(3);
+            Ok(())
+        };
+        let mut job = Job::spawn("parts", Seed::root(1), || (), work);
+        assert!(matches!(wait(&mut job), Outcome::Done(())));
+        assert_eq!(job.take_preview().as_deref(), Some("3 done"));
     }
 
     #[test]
