@@ -19,8 +19,13 @@ fn open_window(window: &WindowArguments) -> ExitCode {
         return cli::run_without_display("no display was found", window);
     }
     match app::run(options(window)) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if window.screenshot.is_none() => {
+        Ok(times) => {
+            if let Some(times) = times {
+                println!("{times}");
+            }
+            ExitCode::SUCCESS
+        }
+        Err(error) if window.screenshot.is_none() && !window.frame_times => {
             cli::run_without_display(&format!("the window could not be opened ({error:#})"), window)
         }
         Err(error) => {
@@ -31,19 +36,25 @@ fn open_window(window: &WindowArguments) -> ExitCode {
 }
 
 fn options(window: &WindowArguments) -> AppOptions {
-    let plan = |file: &std::path::PathBuf| ScreenshotPlan {
-        file: file.clone(),
+    let plan = ScreenshotPlan {
+        file: window.screenshot.clone(),
+        frame_times: window.frame_times,
         people: window.populate.unwrap_or(0),
         seed: window.seed,
+        sample: window.sample.unwrap_or(0),
+        method: window.method.clone(),
+        agent: window.agent,
+        accept: window.accept,
         heat: window.heat,
         select: window.select,
         frame_selected: window.frame,
         light: window.light,
         overlay: window.overlay.clone(),
     };
+    let scripted = window.screenshot.is_some() || window.frame_times;
     AppOptions {
         project_or_room: window.open.clone(),
-        screenshot: window.screenshot.as_ref().map(plan),
+        screenshot: scripted.then_some(plan),
         ..AppOptions::default()
     }
 }

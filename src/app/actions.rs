@@ -8,6 +8,7 @@ use super::engine::{ImportChoice, Source};
 use super::orbit::AxisView;
 use super::selection::Item;
 use super::state::{EditorState, Heat, Leaving, Overlay, Tool};
+use super::transform::TransformKind;
 use crate::document::Command;
 use crate::math::Aabb;
 use crate::scene::PersonId;
@@ -46,6 +47,27 @@ pub fn save(state: &mut EditorState) {
 /// Asks where to save.
 pub fn save_as(state: &mut EditorState) {
     state.requests.save_dialog = true;
+}
+
+/// Asks for a folder and writes room and people into it.
+pub fn export(state: &mut EditorState) {
+    state.requests.export_dialog = true;
+}
+
+/// Moves the selection with the mouse.
+pub fn move_selection(state: &mut EditorState) {
+    state.begin_transform(TransformKind::Move);
+}
+
+/// Turns the selection with the mouse.
+pub fn turn_selection(state: &mut EditorState) {
+    state.begin_transform(TransformKind::Turn);
+}
+
+/// Fits the selected people to where they are.
+pub fn settle(state: &mut EditorState) {
+    let people = state.selection.people();
+    state.settle(&people);
 }
 
 /// Shows the import report.
@@ -462,6 +484,8 @@ pub fn escape(state: &mut EditorState) {
         state.document.abort();
     } else if state.tool != Tool::Select {
         state.tool = Tool::Select;
+    } else if state.sheet.chosen.is_some() {
+        state.sheet.chosen = None;
     } else {
         state.selection.clear();
     }
@@ -485,4 +509,92 @@ pub fn travel(state: &mut EditorState, steps: isize) {
         };
     }
     state.selection.prune(state.document.scene());
+}
+
+/// Shows the room maker.
+pub fn new_room(state: &mut EditorState) {
+    state.overlay = Overlay::NewRoom;
+}
+
+/// Samples candidates from the view that the options name.
+pub fn sample_view(state: &mut EditorState) {
+    state.requests.show_sample = true;
+    state.start_sampling();
+}
+
+/// Accepts the candidate that is shown.
+pub fn accept_chosen(state: &mut EditorState) {
+    if let Some(key) = state.sheet.chosen {
+        state.accept_cards(&[key]);
+    }
+}
+
+/// Accepts every candidate that is left.
+pub fn accept_all(state: &mut EditorState) {
+    let keys: Vec<u64> = state.sheet.open_cards().collect();
+    state.accept_cards(&keys);
+}
+
+/// Somebody new on one card.
+pub fn re_roll_card(state: &mut EditorState, key: u64) {
+    state.re_roll_cards(&[key]);
+}
+
+/// Somebody new on every card that is neither locked nor accepted.
+pub fn re_roll_candidates(state: &mut EditorState) {
+    let keys: Vec<u64> = state.sheet.open_cards().collect();
+    state.re_roll_cards(&keys);
+}
+
+/// Forgets the candidates.
+pub fn clear_candidates(state: &mut EditorState) {
+    state.clear_sheet();
+}
+
+/// Locks the candidate that is shown, or unlocks it.
+pub fn lock_chosen(state: &mut EditorState) {
+    if let Some(key) = state.sheet.chosen {
+        state.lock_card(key);
+    }
+}
+
+/// Shows the next candidate.
+pub fn next_candidate(state: &mut EditorState) {
+    step_candidate(state, 1);
+}
+
+/// Shows the previous candidate.
+pub fn previous_candidate(state: &mut EditorState) {
+    step_candidate(state, -1);
+}
+
+fn step_candidate(state: &mut EditorState, step: isize) {
+    let cards = &state.sheet.cards;
+    let count = cards.len() as isize;
+    let now = cards.iter().position(|card| Some(card.key) == state.sheet.chosen);
+    let next =
+        now.map_or(if step > 0 { 0 } else { count - 1 }, |at| (at as isize + step).rem_euclid(count.max(1)));
+    if let Some(key) = cards.get(next as usize).map(|card| card.key) {
+        state.choose_card(key);
+    }
+}
+
+/// Brings *Why like this* to the front.
+pub fn show_why(state: &mut EditorState) {
+    state.requests.show_why = true;
+}
+
+/// Shows or hides the selected person's body before the fit.
+pub fn toggle_before(state: &mut EditorState) {
+    state.view.before = !state.view.before;
+}
+
+/// Shows the networks' training curves and figures.
+pub fn show_networks(state: &mut EditorState) {
+    state.overlay = Overlay::Networks(0);
+}
+
+/// Brings the photo panel to the front.
+pub fn show_photo(state: &mut EditorState) {
+    state.requests.show_photo = true;
 }

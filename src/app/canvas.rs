@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use super::engine::Engine;
 use super::selection::Item;
-use super::state::{EditorState, Heat, ViewOptions};
+use super::state::{EditorState, ViewOptions};
 use super::theme;
 use crate::render::BodySurface;
 use crate::render::Cutaway;
@@ -76,7 +76,7 @@ struct Drawn {
     camera: Camera,
     size: [u32; 2],
     revision: u64,
-    heat_ready: usize,
+    heat_ready: u64,
     selected: Vec<Item>,
     hovered: Option<Item>,
     ghosts: Vec<Person>,
@@ -126,10 +126,10 @@ impl Canvas {
             camera: state.orbit.camera(),
             size: size.map(|side| side.max(1)),
             revision: state.document.revision(),
-            heat_ready: state.measured_count(),
+            heat_ready: state.measurements,
             selected: state.selection.iter().collect(),
             hovered,
-            ghosts: state.ghosts.clone(),
+            ghosts: state.shown_ghosts(),
             view: state.view.clone(),
             moving,
         };
@@ -213,13 +213,11 @@ impl Canvas {
                 PersonDraw::new(person.id, self.pose(&engine, person.id.0, &person.body), person.palette);
             let item = Item::Person(person.id);
             draw.selected = state.selection.contains(item) || wanted.hovered == Some(item);
-            if state.view.heat == Heat::Distance {
-                draw.heat = state.measured(person.id).map(|m| m.distances_m.clone());
-            }
+            draw.heat = state.shown_distances_m(person.id);
             draw
         });
         let mut people: Vec<PersonDraw> = solid.collect();
-        for (i, ghost) in state.ghosts.iter().enumerate() {
+        for (i, ghost) in wanted.ghosts.iter().enumerate() {
             let id = GHOST_IDS + i as u32;
             let vertices = self.pose(&engine, id, &ghost.body);
             let mut draw = PersonDraw::new(PersonId(id), vertices, ghost.palette);

@@ -94,6 +94,14 @@ fn has_people(state: &EditorState) -> bool {
     !state.document.scene().people.is_empty()
 }
 
+fn has_cards(state: &EditorState) -> bool {
+    !state.sheet.cards.is_empty()
+}
+
+fn has_open_cards(state: &EditorState) -> bool {
+    state.sheet.open_cards().next().is_some()
+}
+
 /// The table. One line says all there is to know of a command.
 macro_rules! commands {
     ($($id:literal $menu:ident $label:literal [$($modifiers:ident $key:ident),*] $tip:literal
@@ -114,15 +122,20 @@ macro_rules! commands {
 pub const COMMANDS: &[CommandInfo] = commands! {
     "open" File "Open..." [CTRL O] "Opens a room (GLB, glTF, OBJ, PLY) or a project." if always => actions::ask_for_file;
     "open-path" File "Open by path..." [CTRL_SHIFT O] "Opens a file by typing its path, or one of the recent files." if always => actions::ask_for_path;
+    "new-room" File "New room..." [CTRL N] "Makes a furnished room: choose its kind and a seed." if always => actions::new_room;
     "sample" File "Open sample room" [] "Opens the first of the bundled rooms." if always => actions::open_first_sample;
     "save" File "Save" [CTRL S] "Saves the project." if has_room => actions::save;
     "save-as" File "Save as..." [CTRL_SHIFT S] "Saves the project under another name." if has_room => actions::save_as;
+    "export" File "Export..." [CTRL E] "Writes the room and everybody in it as GLB files for other programs into a folder." if has_room => actions::export;
     "import-report" File "Import report" [] "Shows what was understood of the room's file; unit and up axis can be changed." if has_room => actions::show_import;
     "quit" File "Quit" [CTRL Q] "Closes the window." if always => actions::quit;
 
     "undo" Edit "Undo" [CTRL Z] "Takes the last change back." if |s| s.document.can_undo() => actions::undo;
     "redo" Edit "Redo" [CTRL_SHIFT Z, CTRL Y] "Does it again." if |s| s.document.can_redo() => actions::redo;
     "history" Edit "History" [CTRL_ALT Z] "Lists every step; click one to go there." if always => actions::show_history;
+    "move" Edit "Move" [NONE G] "Moves the selection over the floor with the mouse; X, Y, Z hold it to an axis." if selected => actions::move_selection;
+    "turn" Edit "Turn" [NONE R] "Turns the selection about the vertical with the mouse." if selected => actions::turn_selection;
+    "settle" Edit "Settle" [NONE T] "Fits the selected people to where they are: no hovering, no sinking." if people_selected => actions::settle;
     "duplicate" Edit "Duplicate" [SHIFT D, CTRL D] "Copies the selected people and objects half a metre aside." if selected => actions::duplicate;
     "delete" Edit "Delete" [NONE Delete, NONE X, NONE Backspace] "Removes the selected people and objects." if selected => actions::delete;
     "rename" Edit "Rename" [NONE F2] "Renames the active person or object." if |s| s.selection.active().is_some() => actions::rename;
@@ -148,7 +161,7 @@ pub const COMMANDS: &[CommandInfo] = commands! {
     "ortho" View "Orthographic" [NONE Num5] "Switches between perspective and parallel projection." if always => actions::toggle_ortho;
     "home-view" View "Room view" [NONE Num0] "Back to the view from a corner." if has_room => actions::home_view;
     "cutaway" View "Cut walls away" [NONE C] "Leaves out walls and ceiling between camera and room." if always => actions::toggle_cutaway;
-    "grid" View "Grid" [NONE G] "Shows or hides the metre grid." if always => actions::toggle_grid;
+    "grid" View "Grid" [SHIFT G] "Shows or hides the metre grid." if always => actions::toggle_grid;
     "theme" View "Light or dark" [] "Switches between the light and the dark theme." if always => actions::toggle_theme;
     "full-screen" View "Full screen" [NONE F11] "Fills the screen; again to leave." if always => actions::toggle_full_screen;
     "reset-layout" View "Reset panels" [] "Puts every panel back where it was." if always => actions::reset_layout;
@@ -156,11 +169,23 @@ pub const COMMANDS: &[CommandInfo] = commands! {
     "populate" People "Populate" [CTRL Enter] "Puts people into the room." if has_room => actions::populate;
     "put-here" People "Put somebody here" [SHIFT A] "Click a spot and somebody appears there." if has_room => actions::put_here;
     "re-roll" People "Re-roll" [NONE F9] "Makes the selected people anew with another seed; without a selection, the last generation." if has_people => actions::re_roll;
+    "sample-view" People "Sample from this view" [SHIFT S] "Proposes people for what is seen; accept those you like." if |s| s.geometry().is_some() => actions::sample_view;
+    "photo" People "Fit to a photo..." [] "Finds a person of a photo, by its keypoints, in this room." if has_room => actions::show_photo;
+    "accept" People "Accept candidate" [NONE Enter] "Fits the candidate that is shown and puts it into the room." if |s| s.sheet.chosen_card().is_some() => actions::accept_chosen;
+    "accept-all" People "Accept all" [SHIFT Enter] "Fits every candidate that is left and puts them into the room." if has_open_cards => actions::accept_all;
+    "next-candidate" People "Next candidate" [NONE CloseBracket] "Shows the next candidate in the view." if has_cards => actions::next_candidate;
+    "previous-candidate" People "Previous candidate" [NONE OpenBracket] "Shows the previous candidate in the view." if has_cards => actions::previous_candidate;
+    "lock-candidate" People "Lock candidate" [SHIFT L] "Re-rolls leave the candidate that is shown alone; again to unlock." if |s| s.sheet.chosen_card().is_some() => actions::lock_chosen;
+    "re-roll-candidates" People "Re-roll candidates" [SHIFT F9] "Somebody new on every card that is neither locked nor accepted." if has_open_cards => actions::re_roll_candidates;
+    "clear-candidates" People "Clear candidates" [] "Forgets the candidates; who was accepted stays." if has_cards => actions::clear_candidates;
     "cancel" People "Cancel jobs" [] "Stops everything that runs." if |s| s.jobs.any_running() => actions::cancel_jobs;
 
     "heat" Inspect "Heat map" [NONE M] "Colours bodies by distance: off, contact, penetration." if has_people => actions::cycle_heat;
     "next-finding" Inspect "Next finding" [NONE N] "Goes to the next thing above its limit, worst first." if |s| s.has_findings() => actions::next_finding;
     "previous-finding" Inspect "Previous finding" [NONE P] "Goes to the previous thing above its limit." if |s| s.has_findings() => actions::previous_finding;
+    "why" Inspect "Why like this" [SHIFT W] "Shows what the sampler saw and what the fit made of it." if has_room => actions::show_why;
+    "before" Inspect "Before the fit" [NONE B] "Shows the selected person as sampled, before the fit, as a ghost." if people_selected => actions::toggle_before;
+    "networks" Inspect "Networks" [] "Training curves and figures of the bundled networks." if always => actions::show_networks;
     "measure" Inspect "Measure selected again" [] "Measures the selected people anew." if people_selected => actions::measure_again;
 
     "palette" Help "Command palette" [CTRL K, CTRL P, NONE F3] "Finds and runs any command." if always => actions::show_palette;
@@ -201,6 +226,8 @@ pub fn key_text(shortcut: &KeyboardShortcut) -> String {
         Key::Questionmark => "?",
         Key::Escape => "Esc",
         Key::Delete => "Del",
+        Key::OpenBracket => "[",
+        Key::CloseBracket => "]",
         other => other.name(),
     });
     text

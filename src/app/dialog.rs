@@ -28,6 +28,25 @@ pub fn ask_save(ctx: &egui::Context) -> Job<Option<PathBuf>> {
     })
 }
 
+/// Asks for a photo, or for its keypoints.
+pub fn ask_photo(ctx: &egui::Context, keypoints: bool) -> Job<Option<PathBuf>> {
+    ask(ctx, "Photo dialog", move || {
+        let dialog = rfd::FileDialog::new();
+        if keypoints {
+            dialog.set_title("Choose the keypoints").add_filter("COCO or OpenPose", &["json"]).pick_file()
+        } else {
+            dialog.set_title("Choose a photo").add_filter("Pictures", &["png", "jpg", "jpeg"]).pick_file()
+        }
+    })
+}
+
+/// Asks for a folder to export to.
+pub fn ask_folder(ctx: &egui::Context) -> Job<Option<PathBuf>> {
+    ask(ctx, "Export dialog", || {
+        rfd::FileDialog::new().set_title("Export room and people into a folder").pick_folder()
+    })
+}
+
 fn ask(
     ctx: &egui::Context,
     name: &str,

@@ -6,12 +6,16 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::assets::PersonKeypoints;
 use crate::document::Project;
 use crate::evolve::PopulatePreview;
+use crate::generate::sensor::SceneImage;
 use crate::inspect::BodyReport;
-use crate::job::{JobCtx, Stop, Ticker};
+use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::render::BodySurface;
+use crate::render::Picture;
 use crate::scene::BodyParams;
+use crate::scene::Camera;
 use crate::scene::Person;
 use crate::scene::PoseFamily;
 use crate::scene::Room;
@@ -35,6 +39,8 @@ pub enum Source {
     File(PathBuf, ImportChoice),
     /// A bundled sample room, by number.
     Sample(usize),
+    /// A room that the program makes.
+    Made(RoomRequest),
 }
 
 /// What was understood of a file, for the import report.
@@ -101,6 +107,201 @@ pub struct PopulateTask {
     pub next_id: u32,
 }
 
+/// Where samples of people come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SampleMethod {
+    /// Looks for places that hold a body; uses no network.
+    #[default]
+    Search,
+    /// PSI's one-stage network.
+    S1,
+    /// PSI's two-stage network.
+    S2,
+    /// The modified network of Li et al. that PSI compares with.
+    Baseline,
+    /// Found in a photo; not on the menu of samplers.
+    Photo,
+}
+
+impl SampleMethod {
+    /// Every method, in the order of the menu.
+    pub const ALL: [Self; 4] = [Self::Search, Self::S1, Self::S2, Self::Baseline];
+
+    /// Name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Search => "Search",
+            Self::S1 => "Network S1",
+            Self::S2 => "Network S2",
+            Self::Baseline => "Baseline network",
+            Self::Photo => "Photo",
+        }
+    }
+
+    /// Name on the command line.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Search => "search",
+            Self::S1 => "s1",
+            Self::S2 => "s2",
+            Self::Baseline => "baseline",
+            Self::Photo => "photo",
+        }
+    }
+
+    /// What it is good at, for somebody who has never heard of it.
+    pub fn strength(self) -> &'static str {
+        match self {
+            Self::Search => {
+                "Goes over the room's geometry for seats, beds, free floor and things to lean on. Knows the whole \
+                 room, hardly ever floats or sinks; poses come from a fixed repertoire. Take this when in doubt."
+            }
+            Self::S1 => {
+                "Learned where and how people are from what a camera sees: depth and kinds of things. Draws place \
+                 and pose together, so both suit each other. The most natural variety within one view."
+            }
+            Self::S2 => {
+                "Learned like S1, but first decides where somebody is and then how. More places over the whole \
+                 view, now and then a pose that suits its place less."
+            }
+            Self::Baseline => {
+                "An older network to compare with: picks a place, then one of a few learned pose classes. Coarser; \
+                 its bodies need the most fitting."
+            }
+            Self::Photo => "Found in a photo by its keypoints.",
+        }
+    }
+}
+
+/// From where a room is looked at for samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SampleView {
+    /// The editor's camera, with a picture so many times as wide as high.
+    Camera(Camera, f32),
+    /// Somebody 1.8 m tall who stands somewhere in the room and looks a little down (PSI §4.1.1); where, follows
+    /// from the seed.
+    Agent,
+}
+
+/// People to sample from what one view shows; an owned snapshot.
+#[derive(Clone)]
+pub struct SampleTask {
+    /// The room.
+    pub room: Arc<Room>,
+    /// What its geometry says.
+    pub geometry: Arc<RoomGeometry>,
+    /// From where.
+    pub view: SampleView,
+    /// By what.
+    pub method: SampleMethod,
+    /// How many.
+    pub count: usize,
+}
+
+/// Somebody who might be put into the room, as sampled: nothing is fitted yet.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Who; the id means nothing.
+    pub person: Person,
+    /// What was measured.
+    pub report: BodyReport,
+}
+
+/// What came of a [`SampleTask`].
+#[derive(Clone, Debug)]
+pub struct Sampled {
+    /// Depth and semantics as the networks take them.
+    pub seen: Arc<SceneImage>,
+    /// Who, in the order they were drawn.
+    pub candidates: Vec<Candidate>,
+    /// Why there are fewer than asked for.
+    pub shortfall: Option<String>,
+}
+
+/// People to be fitted to the room from where they are.
+#[derive(Clone)]
+pub struct FitTask {
+    /// The room.
+    pub room: Arc<Room>,
+    /// What its geometry says.
+    pub geometry: Arc<RoomGeometry>,
+    /// Who.
+    pub people: Vec<Person>,
+    /// Whether it is known what they do ([`Person::family`] and [`Person::on`]); else it is found out.
+    pub knows_family: bool,
+}
+
+/// How a person of a photo is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PhotoMethod {
+    /// By keypoints, the room, and what people do in this view (PSI §4.2).
+    #[default]
+    Scene,
+    /// By keypoints and the room (PROX).
+    Room,
+    /// By keypoints alone (SMPLify-X).
+    Keypoints,
+}
+
+/// A photo with keypoints.
+#[derive(Clone, Debug)]
+pub struct Photo {
+    /// Its pixels, perhaps fewer than the file's.
+    pub picture: Picture,
+    /// Columns and rows of the file, which the keypoints are in.
+    pub size_px: [u32; 2],
+    /// Everybody who has keypoints.
+    pub people: Vec<PersonKeypoints>,
+}
+
+/// A person of a photo to be found in the room; an owned snapshot.
+#[derive(Clone)]
+pub struct PhotoTask {
+    /// The room.
+    pub room: Arc<Room>,
+    /// What its geometry says.
+    pub geometry: Arc<RoomGeometry>,
+    /// The camera that took the photo.
+    pub camera: Camera,
+    /// Columns and rows.
+    pub size_px: [u32; 2],
+    /// The person in it.
+    pub keypoints: PersonKeypoints,
+    /// How it is found.
+    pub method: PhotoMethod,
+    /// Number of the new person.
+    pub id: u32,
+}
+
+/// What is wanted of a room that the program makes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RoomRequest {
+    /// Number of its kind in [`Engine::room_kinds`].
+    pub kind: usize,
+    /// The same seed gives the same room.
+    pub seed: u64,
+}
+
+/// One curve of a training.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// What went down.
+    pub name: String,
+    /// (epoch, value).
+    pub points: Vec<[f64; 2]>,
+}
+
+/// A bundled network and how it came about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NetworkCard {
+    /// Name for people.
+    pub name: String,
+    /// What it was trained on, by which command, its figures: Markdown.
+    pub text: String,
+    /// Losses over the epochs.
+    pub curves: Vec<Curve>,
+}
+
 /// Energies of one fit: name of the term and its value after each iteration.
 pub type Energies = Vec<(String, Vec<f32>)>;
 
@@ -113,6 +314,8 @@ pub struct Made {
     pub reports: Vec<BodyReport>,
     /// How the fits went, in the order of `people`; may be shorter.
     pub energies: Vec<Energies>,
+    /// The bodies before they were fitted, in the order of `people`; may be shorter.
+    pub before: Vec<BodyParams>,
     /// Why fewer people came than were asked for.
     pub shortfall: Option<String>,
 }
@@ -131,6 +334,11 @@ pub trait Engine: Send + Sync + 'static {
     /// # Errors
     /// What, which file, what to do; or cancelled.
     fn save(&self, path: &Path, project: &Project, ticker: &Ticker) -> Result<(), Stop>;
+    /// Writes room and people for other programs into a folder; how many files.
+    ///
+    /// # Errors
+    /// What, which file, what to do; or cancelled.
+    fn export(&self, folder: &Path, scene: &Scene, ticker: &Ticker) -> Result<usize, Stop>;
     /// Ray tree, distance field, support surfaces and floor of a room.
     ///
     /// # Errors
@@ -141,6 +349,65 @@ pub trait Engine: Send + Sync + 'static {
     /// # Errors
     /// Why nobody could be made; or cancelled.
     fn populate(&self, task: &PopulateTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop>;
+    /// Which methods can't be used, and why.
+    fn missing_methods(&self) -> Vec<(SampleMethod, String)>;
+    /// What a view shows, as the networks take it.
+    ///
+    /// # Errors
+    /// Why it can't be seen; or cancelled.
+    fn see(
+        &self,
+        room: &Room,
+        geometry: &RoomGeometry,
+        view: &SampleView,
+        seed: Seed,
+        ticker: &Ticker,
+    ) -> Result<SceneImage, Stop>;
+    /// Samples people and measures them; previews are those that are there so far.
+    ///
+    /// # Errors
+    /// Why there are none; or cancelled.
+    fn sample(&self, task: &SampleTask, cx: &JobCtx<PopulatePreview>) -> Result<Sampled, Stop>;
+    /// Fits people to the room; previews are the people as they are so far.
+    ///
+    /// # Errors
+    /// Why they can't be fitted; or cancelled.
+    fn fit(&self, task: &FitTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop>;
+    /// Reads a photo and its keypoints.
+    ///
+    /// # Errors
+    /// What, which file and place, what to do; or cancelled.
+    fn open_photo(&self, picture: &Path, keypoints: &Path, ticker: &Ticker) -> Result<Photo, Stop>;
+    /// Finds a person of a photo; previews are the person as it is so far.
+    ///
+    /// # Errors
+    /// Why it can't be found; or cancelled.
+    fn fit_photo(&self, task: &PhotoTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop>;
+    /// A small picture of somebody in the room.
+    ///
+    /// # Errors
+    /// Why it can't be drawn; or cancelled.
+    fn portrait(
+        &self,
+        room: &Room,
+        geometry: &RoomGeometry,
+        person: &Person,
+        ticker: &Ticker,
+    ) -> Result<Picture, Stop>;
+    /// Names of the kinds of rooms that can be made.
+    fn room_kinds(&self) -> Vec<String>;
+    /// Makes a room.
+    ///
+    /// # Errors
+    /// Why it can't be made; or cancelled.
+    fn make_room(&self, request: &RoomRequest, ticker: &Ticker) -> Result<Opened, Stop>;
+    /// A picture of a whole room.
+    ///
+    /// # Errors
+    /// Why it can't be drawn; or cancelled.
+    fn overview(&self, room: &Arc<Room>, ticker: &Ticker) -> Result<Picture, Stop>;
+    /// The bundled networks.
+    fn networks(&self) -> Arc<[NetworkCard]>;
     /// Measures one body.
     ///
     /// # Errors

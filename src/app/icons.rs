@@ -17,6 +17,8 @@ pub enum Icon {
     Bell,
     /// A cross.
     Close,
+    /// A die: another one.
+    Dice,
 }
 
 /// A square button without frame that shows `icon` and is called `name` by screen readers and tooltip.
@@ -75,6 +77,13 @@ pub fn paint(ui: &Ui, icon: Icon, rect: Rect, color: Color32) {
             bell.extend([at(0.8, 0.66), at(0.92, 0.8), at(0.08, 0.8)]);
             line(bell);
             painter.circle_filled(at(0.5, 0.94), rect.width() * 0.09, color);
+        }
+        Icon::Dice => {
+            let stroke = Stroke::new(1.2, color);
+            painter.rect_stroke(rect, 2.5, stroke, egui::StrokeKind::Inside);
+            for (x, y) in [(0.3, 0.3), (0.7, 0.3), (0.5, 0.5), (0.3, 0.7), (0.7, 0.7)] {
+                painter.circle_filled(at(x, y), rect.width() * 0.085, color);
+            }
         }
         Icon::Close => {
             line(vec![at(0.15, 0.15), at(0.85, 0.85)]);

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::actions;
-use super::engine::{Made, Opened, PopulateTask, Source};
+use super::engine::{FitTask, Made, Opened, Photo, PopulateTask, SampleMethod, Source};
+use super::rooms;
+use super::samples::{self, Fate, Origin};
 use super::selection::Item;
 use super::state::{EditorState, Leaving, Overlay};
 use crate::document::Command;
@@ -14,6 +16,7 @@ use crate::document::Document;
 use crate::document::Project;
 use crate::document::RoomVersion;
 use crate::evolve::PopulatePreview;
+use crate::generate::sensor::SceneImage;
 use crate::inspect::BodyReport;
 use crate::job::{Job, Outcome, Progress, Seed};
 use crate::scene::Person;
@@ -27,12 +30,24 @@ pub enum JobKind {
     Open,
     /// Writes a file.
     Save,
+    /// Writes files for other programs.
+    Export,
     /// Builds ray tree, distance field and surfaces.
     Geometry,
     /// Makes people.
     Populate,
     /// Measures people.
     Measure,
+    /// Samples candidates from a view.
+    Sample,
+    /// Draws candidates.
+    Portraits,
+    /// Makes a room to look at.
+    MakeRoom,
+    /// Looks at the room as a network does.
+    See,
+    /// Reads a photo.
+    Photo,
 }
 
 /// A row of the job list.
@@ -59,6 +74,10 @@ struct Populating {
     job: Job<Made, PopulatePreview>,
     version: RoomVersion,
     replacing: Vec<PersonId>,
+    /// Set when candidates of the contact sheet are being fitted.
+    source: Option<samples::Source>,
+    /// The user has cancelled; whoever is there by now comes in a moment.
+    stopping: bool,
 }
 
 struct Measuring {
@@ -71,9 +90,15 @@ struct Measuring {
 pub struct Jobs {
     open: Option<Job<Opened>>,
     save: Option<(PathBuf, u64, Job<()>)>,
+    export: Option<(PathBuf, Job<usize>)>,
     geometry: Option<(RoomVersion, Job<RoomGeometry>)>,
     populate: Option<Populating>,
     measure: Option<Measuring>,
+    pub(super) sampling: Option<samples::Sampling>,
+    pub(super) portraits: Option<samples::Portraits>,
+    pub(super) making_room: Option<rooms::MakingRoom>,
+    pub(super) seeing: Option<Job<SceneImage>>,
+    pub(super) photo: Option<Job<Photo>>,
     wanted: Option<Wanted>,
     /// The room whose geometry failed; not tried again until the room changes.
     hopeless: Option<RoomVersion>,
@@ -97,6 +122,16 @@ impl Jobs {
         self.populate.is_some() || self.wanted.is_some()
     }
 
+    /// Whether candidates are being sampled.
+    pub fn sampling(&self) -> bool {
+        self.sampling.is_some()
+    }
+
+    /// Whether a room is being made to look at.
+    pub fn making_room(&self) -> bool {
+        self.making_room.is_some()
+    }
+
     /// Whether people wait for geometry.
     pub fn waiting(&self) -> bool {
         self.wanted.is_some()
@@ -111,6 +146,9 @@ impl Jobs {
         if let Some((_, _, job)) = &self.save {
             rows.push(row(JobKind::Save, job));
         }
+        if let Some((_, job)) = &self.export {
+            rows.push(row(JobKind::Export, job));
+        }
         if let Some((_, job)) = &self.geometry {
             rows.push(row(JobKind::Geometry, job));
         }
@@ -119,6 +157,21 @@ impl Jobs {
         }
         if let Some(measuring) = &self.measure {
             rows.push(row(JobKind::Measure, &measuring.job));
+        }
+        if let Some(sampling) = &self.sampling {
+            rows.push(row(JobKind::Sample, &sampling.job));
+        }
+        if let Some(job) = &self.portraits {
+            rows.push(row(JobKind::Portraits, job));
+        }
+        if let Some(job) = &self.making_room {
+            rows.push(row(JobKind::MakeRoom, job));
+        }
+        if let Some(job) = &self.seeing {
+            rows.push(row(JobKind::See, job));
+        }
+        if let Some(job) = &self.photo {
+            rows.push(row(JobKind::Photo, job));
         }
         rows
     }
@@ -129,7 +182,7 @@ fn row<T: Send + 'static, P: Send + 'static>(kind: JobKind, job: &Job<T, P>) -> 
 }
 
 impl EditorState {
-    fn waker(&self) -> impl Fn() + Send + Sync + 'static {
+    pub(super) fn waker(&self) -> impl Fn() + Send + Sync + 'static {
         let wake = self.wake.clone();
         move || wake()
     }
@@ -151,6 +204,7 @@ impl EditorState {
             Source::Sample(number) => {
                 format!("Open {}", self.engine.samples().get(*number).map_or("sample room", |s| s))
             }
+            Source::Made(_) => "Make room".to_owned(),
         };
         let engine = self.engine.clone();
         let waker = self.waker();
@@ -225,12 +279,41 @@ impl EditorState {
                 all.people.extend(made.people);
                 all.reports.extend(made.reports);
                 all.energies.extend(made.energies);
+                all.before.extend(made.before);
                 all.shortfall = all.shortfall.or(made.shortfall);
             }
             Ok(all)
         };
         let job = Job::spawn(name, seed, self.waker(), work);
-        self.jobs.populate = Some(Populating { job, version, replacing });
+        self.jobs.populate = Some(Populating { job, version, replacing, source: None, stopping: false });
+    }
+
+    /// Starts to fit people from where they are: candidates, or people of the document (`replacing`).
+    pub(super) fn start_fitting(
+        &mut self,
+        name: String,
+        task: FitTask,
+        replacing: Vec<PersonId>,
+        source: Option<samples::Source>,
+    ) {
+        let engine = self.engine.clone();
+        let work = move |cx: &crate::job::JobCtx<PopulatePreview>| engine.fit(&task, cx);
+        let job = Job::spawn(name, Seed::root(self.populate.seed), self.waker(), work);
+        let version = self.document.room_version();
+        self.jobs.populate = Some(Populating { job, version, replacing, source, stopping: false });
+    }
+
+    /// Starts to make people by `work`.
+    pub(super) fn start_making(
+        &mut self,
+        name: String,
+        work: impl FnOnce(&crate::job::JobCtx<PopulatePreview>) -> Result<Made, crate::job::Stop> + Send + 'static,
+        source: samples::Source,
+    ) {
+        let job = Job::spawn(name, Seed::root(self.populate.seed), self.waker(), work);
+        let version = self.document.room_version();
+        self.jobs.populate =
+            Some(Populating { job, version, replacing: Vec::new(), source: Some(source), stopping: false });
     }
 
     /// One task for each person who is to become somebody else at about the same place.
@@ -268,23 +351,91 @@ impl EditorState {
         }
     }
 
+    /// Fits these people to where they are now.
+    pub fn settle(&mut self, ids: &[PersonId]) {
+        let Some(geometry) = self.geometry().cloned() else {
+            self.notices.warning("The room is still being analysed: settle them in a moment (T).");
+            return;
+        };
+        if self.jobs.populating() {
+            self.notices.warning("People are being fitted already: wait or cancel, then press T.");
+            return;
+        }
+        let scene = self.document.scene();
+        let there = |id: &PersonId| scene.person(*id).filter(|person| !person.locked);
+        let people: Vec<Person> = ids.iter().filter_map(there).cloned().collect();
+        if people.is_empty() {
+            return;
+        }
+        let ids = people.iter().map(|person| person.id).collect();
+        let room = scene.room.clone();
+        let task = FitTask { room, geometry, people, knows_family: true };
+        self.start_fitting("Settle".to_owned(), task, ids, None);
+    }
+
+    /// Starts to write room and people for other programs into a folder.
+    pub fn start_exporting(&mut self, folder: PathBuf) {
+        let (engine, scene) = (self.engine.clone(), self.document.scene().clone());
+        let name = format!("Export to {}", file_name(&folder));
+        let target = folder.clone();
+        let work = move |cx: &crate::job::JobCtx| engine.export(&target, &scene, cx.ticker());
+        self.jobs.export = Some((folder, Job::spawn(name, Seed::root(0), self.waker(), work)));
+    }
+
+    fn poll_export(&mut self) {
+        let Some((folder, job)) = &mut self.jobs.export else { return };
+        let Some(outcome) = job.poll() else { return };
+        let (folder, name) = (folder.clone(), job.name().to_owned());
+        self.jobs.export = None;
+        if let Some(files) = self.taken(&name, outcome) {
+            self.notices.info(format!("Exported {files} files to {}", folder.display()));
+        }
+    }
+
     /// Lets go of one job.
     pub fn cancel(&mut self, kind: JobKind) {
         match kind {
             JobKind::Open => self.jobs.open = None,
             JobKind::Save => self.jobs.save = None,
+            JobKind::Export => self.jobs.export = None,
             JobKind::Geometry => {
                 self.jobs.hopeless = self.jobs.geometry.take().map(|(version, _)| version);
                 self.jobs.wanted = None;
             }
             JobKind::Populate => {
-                self.jobs.populate = None;
-                self.jobs.wanted = None;
                 self.ghosts.clear();
+                if self.stop_and_keep() {
+                    return;
+                }
+                let populating = self.jobs.populate.take();
+                if let Some(source) = populating.and_then(|p| p.source) {
+                    self.settle_cards(&source.cards, Fate::Open);
+                }
+                self.jobs.wanted = None;
             }
             JobKind::Measure => self.jobs.measure = None,
+            JobKind::Sample => {
+                self.jobs.sampling = None;
+                self.ghosts.clear();
+            }
+            JobKind::Portraits => self.jobs.portraits = None,
+            JobKind::MakeRoom => self.jobs.making_room = None,
+            JobKind::See => self.jobs.seeing = None,
+            JobKind::Photo => self.jobs.photo = None,
         }
         self.notices.info("Cancelled. Nothing was changed.");
+    }
+
+    /// Tells a job that makes new people to stop with those that are there; a second time it is let go of.
+    fn stop_and_keep(&mut self) -> bool {
+        let Some(populating) = &mut self.jobs.populate else { return false };
+        let keeps = populating.replacing.is_empty() && populating.source.is_none() && !populating.stopping;
+        if keeps {
+            populating.stopping = true;
+            populating.job.cancel();
+            self.jobs.wanted = None;
+        }
+        keeps
     }
 
     /// Lets go of every job.
@@ -299,9 +450,15 @@ impl EditorState {
     pub fn poll(&mut self) {
         self.poll_open();
         self.poll_save();
+        self.poll_export();
         self.poll_geometry();
         self.poll_populate();
         self.poll_measure();
+        self.poll_sampling();
+        self.poll_portraits();
+        self.poll_made_room();
+        self.poll_seeing();
+        self.poll_photo();
         self.keep_geometry_fresh();
         self.start_wanted();
         self.keep_measured_fresh();
@@ -317,9 +474,13 @@ impl EditorState {
         }
     }
 
-    fn show_opened(&mut self, opened: Opened) {
+    pub(super) fn show_opened(&mut self, opened: Opened) {
         let summary = opened.summary;
-        if let Source::File(path, _) = &summary.source {
+        let recovered =
+            matches!(&summary.source, Source::File(path, _) if Some(path) == self.autosave.as_ref());
+        if let Source::File(path, _) = &summary.source
+            && !recovered
+        {
             self.remember_recent(path.clone());
         }
         match opened.project {
@@ -327,7 +488,7 @@ impl EditorState {
                 let mut document = Document::new(opened.scene);
                 document.reserve_ids(project.next_person, project.next_object);
                 self.exchange_document(document);
-                self.project = Some(project.path);
+                self.project = (!recovered).then_some(project.path);
             }
             None if self.has_room() => {
                 self.apply(Command::OpenRoom { room: opened.scene.room });
@@ -339,6 +500,8 @@ impl EditorState {
         self.jobs.measure = None;
         self.jobs.wanted = None;
         self.ghosts.clear();
+        self.clear_sheet();
+        self.look = None;
         self.selection.clear();
         self.view.isolated = None;
         self.finding = None;
@@ -362,6 +525,7 @@ impl EditorState {
         self.document = document;
         self.project = None;
         self.measured.clear();
+        self.origins.clear();
         self.geometry = None;
         self.jobs.geometry = None;
         self.jobs.hopeless = None;
@@ -399,21 +563,33 @@ impl EditorState {
 
     fn poll_populate(&mut self) {
         let Some(populating) = &mut self.jobs.populate else { return };
-        if let Some(preview) = populating.job.take_preview() {
+        if let Some(preview) = populating.job.take_preview().filter(|_| !populating.stopping) {
             self.ghosts = preview.people;
         }
         let Some(outcome) = populating.job.poll() else { return };
         let (version, name) = (populating.version, populating.job.name().to_owned());
         let replacing = std::mem::take(&mut populating.replacing);
+        let source = populating.source.take();
         self.jobs.populate = None;
         self.ghosts.clear();
-        if let Some(made) = self.taken(&name, outcome) {
-            self.take_in(made, version, replacing);
+        let made = self.taken(&name, outcome);
+        if let Some(source) = &source {
+            let fate = if made.is_some() { Fate::Accepted } else { Fate::Open };
+            self.settle_cards(&source.cards, fate);
+        }
+        if let Some(made) = made {
+            self.take_in(made, version, replacing, source);
         }
     }
 
     /// Turns people that were made into a command.
-    fn take_in(&mut self, made: Made, version: RoomVersion, replacing: Vec<PersonId>) {
+    fn take_in(
+        &mut self,
+        made: Made,
+        version: RoomVersion,
+        replacing: Vec<PersonId>,
+        source: Option<samples::Source>,
+    ) {
         let made_for = Some(version);
         let mut people = made.people;
         let ids: Vec<PersonId> = if replacing.is_empty() {
@@ -431,6 +607,11 @@ impl EditorState {
                 let energies = made.energies.get(i).cloned().unwrap_or_default();
                 self.keep_measured(&person, version, report, energies);
             }
+        }
+        let (method, seen) = source.map_or((SampleMethod::Search, None), |s| (s.method, s.seen));
+        for (id, before) in ids.iter().zip(made.before) {
+            let origin = Origin { method, seen: seen.clone(), before };
+            self.origins.insert(*id, Arc::new(origin));
         }
         if let Some(first) = ids.first() {
             self.selection.only(Item::Person(*first));
@@ -475,7 +656,9 @@ impl EditorState {
     fn keep_measured_fresh(&mut self) {
         let busy = self.jobs.measure.is_some() || self.jobs.populate.is_some();
         let failed = self.jobs.unmeasurable == Some(self.document.revision());
-        if busy || failed || self.document.in_gesture() {
+        // People who are moved by hand are painted by what they touch.
+        let dragged = self.document.in_gesture() && self.transform.is_none();
+        if busy || failed || dragged {
             return;
         }
         let Some(geometry) = self.geometry().cloned() else { return };
@@ -499,7 +682,7 @@ impl EditorState {
     }
 
     /// The result of a job that ended well; otherwise says what happened.
-    fn taken<T>(&mut self, name: &str, outcome: Outcome<T>) -> Option<T> {
+    pub(super) fn taken<T>(&mut self, name: &str, outcome: Outcome<T>) -> Option<T> {
         match outcome {
             Outcome::Done(value) => return Some(value),
             Outcome::Cancelled => self.notices.info(format!("{name}: cancelled")),

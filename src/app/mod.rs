@@ -5,35 +5,47 @@
 //! there. `Window` only draws it and hands on what the user does.
 
 mod actions;
+mod autosave;
 mod canvas;
 mod commands;
 mod dialog;
 mod engine;
+mod frames;
 mod icons;
 mod jobs;
+mod networks;
 mod notices;
 mod orbit;
 mod overlay3d;
 mod panels;
+mod photo;
+mod photos;
 mod pick;
+mod pictures;
 mod real;
+mod rooms;
+mod samples;
+mod sampling;
 mod screenshot;
 mod selection;
 mod state;
 #[cfg(test)]
 mod tests;
 mod theme;
+mod transform;
 mod viewport;
 mod window;
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+pub use frames::FrameTimes;
 pub use orbit::{AxisView, Orbit};
 pub use screenshot::ScreenshotPlan;
 pub use state::EditorState;
 
 use crate::document::Settings;
+use crate::document::autosave_path;
 use real::RealEngine;
 use window::Window;
 
@@ -48,16 +60,27 @@ pub struct AppOptions {
     pub size: Option<[f32; 2]>,
 }
 
-/// Opens the window and returns when it is closed.
+/// The window leaves a core to itself: with all of them at the fits its frames would come late.
+fn leave_a_core_for_the_window() {
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    // Somebody may have made the pool before, as tests do; then it stays as it is.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(cores.saturating_sub(1).max(1)).build_global();
+}
+
+/// Opens the window and returns when it is closed: how smooth it was, if that was asked for.
 ///
 /// # Errors
 /// When there is no display or no graphics adapter, or the picture of [`AppOptions::screenshot`] could not be
 /// taken. Nothing that happens inside the window is an error here.
-pub fn run(options: AppOptions) -> anyhow::Result<()> {
+pub fn run(options: AppOptions) -> anyhow::Result<Option<FrameTimes>> {
+    leave_a_core_for_the_window();
     let result = Arc::new(Mutex::new(None));
     let script =
         options.screenshot.as_ref().map(|plan| screenshot::Script::new(plan.clone(), result.clone()));
     let photographs = script.is_some();
+    let timed = options.screenshot.as_ref().is_some_and(|plan| plan.frame_times);
+    let times = Arc::new(Mutex::new(FrameTimes::default()));
+    let kept = times.clone();
     let size = options.size.unwrap_or([1440.0, 900.0]);
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
@@ -71,9 +94,10 @@ pub fn run(options: AppOptions) -> anyhow::Result<()> {
     };
     let source = real::source_named(options.project_or_room);
     let create: eframe::AppCreator<'_> = Box::new(move |cc| {
-        let mut window = Window::new(cc, Arc::new(RealEngine)).with_script(script);
+        let mut window = Window::new(cc, Arc::new(RealEngine)).with_script(script).keeping_times(kept);
         if !photographs {
             window.remember(Settings::default_path());
+            window.keep_safe(autosave_path());
         }
         window.state.open(source);
         Ok(Box::new(window))
@@ -84,6 +108,9 @@ pub fn run(options: AppOptions) -> anyhow::Result<()> {
     match taken {
         Some(Err(why)) => Err(anyhow::anyhow!(why)),
         None if photographs => Err(anyhow::anyhow!("the window was closed before its picture was taken")),
-        Some(Ok(())) | None => Ok(()),
+        Some(Ok(())) | None => {
+            let times = times.lock().unwrap_or_else(PoisonError::into_inner);
+            Ok(timed.then(|| times.clone()))
+        }
     }
 }

@@ -7,11 +7,16 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::engine::{
-    Energies, Engine, ImportChoice, ImportSummary, Made, Opened, OpenedProject, PopulateTask, Source,
+    Energies, Engine, FitTask, ImportChoice, ImportSummary, Made, NetworkCard, Opened, OpenedProject, Photo,
+    PhotoTask, PopulateTask, RoomRequest, SampleMethod, SampleTask, SampleView, Sampled, Source,
 };
 use super::jobs::is_project_file;
+use super::networks;
+use super::photos;
+use super::sampling;
 use crate::assets::Budget;
 use crate::assets::Model;
+use crate::assets::glb_from_model;
 use crate::assets::read_model;
 use crate::assets::read_model_bytes;
 use crate::assets::sample_rooms;
@@ -19,22 +24,40 @@ use crate::body::Body;
 use crate::document::Project;
 use crate::document::load_project;
 use crate::document::save_project;
+use crate::document::write_folder;
 use crate::evolve;
+use crate::evolve::OnCancel;
 use crate::evolve::PopulatePreview;
 use crate::evolve::PopulateRequest;
 use crate::evolve::PopulatedPerson;
 use crate::fit::TERMS;
+use crate::generate::sensor::SceneImage;
+use crate::generate::sensor::Sensor;
 use crate::inspect::BodyReport;
 use crate::inspect::inspect_body;
-use crate::job::{JobCtx, Stop, Ticker};
+use crate::job::{JobCtx, Seed, Stop, Ticker};
+use crate::render::Backend;
 use crate::render::BodySurface;
+use crate::render::Cutaway;
+use crate::render::Picture;
+use crate::render::SceneDraw;
+use crate::render::person_glb;
+use crate::render::picture;
+use crate::render::room_views;
 use crate::scene::BodyParams;
 use crate::scene::GeometryConfig;
 use crate::scene::ImportOptions;
+use crate::scene::Person;
 use crate::scene::Room;
 use crate::scene::RoomGeometry;
 use crate::scene::Scene;
+use crate::scene::layout::RoomType;
+use crate::scene::layout::new_room;
+use crate::scene::model_from_room;
 use crate::scene::understand;
+
+/// Size of the picture of a new room in pixels.
+const OVERVIEW: [u32; 2] = [800, 480];
 
 /// The program's own engine.
 #[derive(Default)]
@@ -55,12 +78,25 @@ impl Engine for RealEngine {
                 understood(&model, source, *choice, ticker)
             }
             Source::Sample(number) => open_sample(*number, source, ticker),
+            Source::Made(request) => self.make_room(request, ticker),
         }
     }
 
     fn save(&self, path: &Path, project: &Project, ticker: &Ticker) -> Result<(), Stop> {
         ticker.stage("writing", 0)?;
         Ok(save_project(path, project)?)
+    }
+
+    fn export(&self, folder: &Path, scene: &Scene, ticker: &Ticker) -> Result<usize, Stop> {
+        ticker.stage("writing", scene.people.len() + 1)?;
+        let surface = self.surface();
+        let mut files = vec![("room.glb".to_owned(), glb_from_model(&model_from_room(&scene.room))?)];
+        for person in scene.people.iter().filter(|person| person.visible) {
+            ticker.advance()?;
+            files.push((format!("people/{:03}.glb", person.id.0), person_glb(person, &surface)?));
+        }
+        write_folder(folder, &files)?;
+        Ok(files.len())
     }
 
     fn geometry(&self, room: &Room, ticker: &Ticker) -> Result<RoomGeometry, Stop> {
@@ -75,16 +111,96 @@ impl Engine for RealEngine {
             families: task.families.clone(),
             existing: task.existing.clone(),
             next_id: task.next_id,
+            on_cancel: OnCancel::KeepBest,
             ..PopulateRequest::default()
         };
         let populated = evolve::populate(&task.room, &task.geometry, &request, cx)?;
         let mut made = Made { shortfall: populated.shortfall, ..Made::default() };
-        for PopulatedPerson { person, report, trace, .. } in populated.people {
+        for PopulatedPerson { person, proposed, report, trace, .. } in populated.people {
             made.people.push(person);
+            made.before.push(proposed);
             made.reports.push(report);
             made.energies.push(by_term(&trace));
         }
         Ok(made)
+    }
+
+    fn missing_methods(&self) -> Vec<(SampleMethod, String)> {
+        let missing = |method| Some((method, sampling::why_missing(method)?));
+        SampleMethod::ALL.into_iter().filter_map(missing).collect()
+    }
+
+    fn see(
+        &self,
+        room: &Room,
+        geometry: &RoomGeometry,
+        view: &SampleView,
+        seed: Seed,
+        ticker: &Ticker,
+    ) -> Result<SceneImage, Stop> {
+        ticker.stage("looking", 0)?;
+        let view = sampling::view_of(room, geometry, view, seed)?;
+        Ok(Sensor::new(room, geometry).scene_image(&view))
+    }
+
+    fn sample(&self, task: &SampleTask, cx: &JobCtx<PopulatePreview>) -> Result<Sampled, Stop> {
+        sampling::sample(task, cx)
+    }
+
+    fn fit(&self, task: &FitTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop> {
+        sampling::fit(task, cx)
+    }
+
+    fn portrait(
+        &self,
+        room: &Room,
+        geometry: &RoomGeometry,
+        person: &Person,
+        ticker: &Ticker,
+    ) -> Result<Picture, Stop> {
+        sampling::portrait(room, geometry, person, &self.surface(), ticker)
+    }
+
+    fn open_photo(&self, picture: &Path, keypoints: &Path, ticker: &Ticker) -> Result<Photo, Stop> {
+        ticker.stage("reading", 0)?;
+        photos::open(picture, keypoints)
+    }
+
+    fn fit_photo(&self, task: &PhotoTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop> {
+        photos::fit(task, cx)
+    }
+
+    fn room_kinds(&self) -> Vec<String> {
+        RoomType::ALL.map(|kind| kind.label().to_owned()).to_vec()
+    }
+
+    fn make_room(&self, request: &RoomRequest, ticker: &Ticker) -> Result<Opened, Stop> {
+        ticker.stage("furnishing", 0)?;
+        let kind = RoomType::ALL.get(request.kind).copied();
+        let kind = kind.ok_or_else(|| Stop::Failed("there is no such kind of room".to_owned()))?;
+        let model = new_room(kind, request.seed)?;
+        ticker.stage("understanding", 0)?;
+        let source = Source::Made(request.clone());
+        let mut opened = understood(&model, &source, ImportChoice::default(), ticker)?;
+        opened.summary.name = format!("{} {}", kind.label(), request.seed);
+        if let Some(room) = Arc::get_mut(&mut opened.scene.room) {
+            room.name.clone_from(&opened.summary.name);
+        }
+        Ok(opened)
+    }
+
+    fn overview(&self, room: &Arc<Room>, ticker: &Ticker) -> Result<Picture, Stop> {
+        ticker.stage("drawing", 0)?;
+        let [width, height] = OVERVIEW;
+        let scene = Scene { room: room.clone(), people: Vec::new() };
+        let mut draw = SceneDraw::of_room(&scene);
+        draw.look.cutaway = Cutaway::Outside;
+        let [camera, _] = room_views(room, width as f32 / height as f32);
+        Ok(picture(&draw, &camera, OVERVIEW, Backend::Auto)?)
+    }
+
+    fn networks(&self) -> Arc<[NetworkCard]> {
+        networks::cards()
     }
 
     fn measure(
@@ -175,7 +291,7 @@ fn size_m(room: &Room) -> Vec3 {
 }
 
 /// One curve for each term of the energy.
-fn by_term(trace: &[[f32; TERMS.len()]]) -> Energies {
+pub(super) fn by_term(trace: &[[f32; TERMS.len()]]) -> Energies {
     let curve = |i: usize| trace.iter().map(|terms| terms[i]).collect();
     TERMS.iter().enumerate().map(|(i, term)| (term.label().to_owned(), curve(i))).collect()
 }

@@ -7,6 +7,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use egui::{ColorImage, Context, ViewportCommand};
 
 use super::actions;
+use super::engine::SampleMethod;
+use super::samples::ViewFrom;
 use super::selection::Item;
 use super::state::{EditorState, Heat, Overlay};
 
@@ -16,8 +18,18 @@ const SETTLE_FRAMES: u32 = 12;
 /// What to do before the picture is taken.
 #[derive(Clone, Debug, Default)]
 pub struct ScreenshotPlan {
-    /// Where the PNG goes.
-    pub file: PathBuf,
+    /// Where the PNG goes; none is taken when `None`.
+    pub file: Option<PathBuf>,
+    /// Turn the view while people are made and take the times of all frames.
+    pub frame_times: bool,
+    /// Sample this many candidates from the view.
+    pub sample: usize,
+    /// By which method: `search`, `s1`, `s2` or `baseline`.
+    pub method: Option<String>,
+    /// Look from the agent in the room instead of from the editor's camera.
+    pub agent: bool,
+    /// Accept the first so many candidates.
+    pub accept: usize,
     /// How many people to make; 0 for none.
     pub people: usize,
     /// Seed of the people.
@@ -30,7 +42,7 @@ pub struct ScreenshotPlan {
     pub frame_selected: bool,
     /// The light theme.
     pub light: bool,
-    /// Show this overlay: `palette`, `shortcuts`, `help`, `import` or `history`.
+    /// Show this: `palette`, `shortcuts`, `help`, `import`, `history`, `samples`, `why`, `new-room`, `networks`.
     pub overlay: Option<String>,
 }
 
@@ -44,7 +56,10 @@ pub struct Script {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Opening,
+    Analysing,
     Populating,
+    Sampling,
+    Accepting,
     Settling(u32),
     Taking,
     Done,
@@ -62,11 +77,19 @@ impl Script {
             return;
         }
         ctx.request_repaint();
+        if self.plan.frame_times && state.jobs.populating() {
+            state.orbit.turn(2.0, 0.0);
+        }
         let idle = !state.jobs.any_running();
         self.stage = match self.stage {
             Stage::Opening if state.jobs.opening() => Stage::Opening,
+            // Timed runs begin with a room that is analysed, as a user would.
+            Stage::Opening if self.plan.frame_times => Stage::Analysing,
             Stage::Opening => self.begin(state),
-            Stage::Populating if idle => self.look(state),
+            Stage::Analysing if state.has_room() && state.geometry().is_some() && idle => self.begin(state),
+            Stage::Populating if idle => self.sample(state),
+            Stage::Sampling if idle => self.accept(state),
+            Stage::Accepting if idle => self.look(state),
             Stage::Settling(0) => self.take(ctx),
             Stage::Settling(left) if idle => Stage::Settling(left - 1),
             stage => stage,
@@ -81,6 +104,26 @@ impl Script {
             actions::populate(state);
         }
         Stage::Populating
+    }
+
+    fn sample(&mut self, state: &mut EditorState) -> Stage {
+        if self.plan.sample > 0 {
+            let wanted = self.plan.method.as_deref();
+            let method = SampleMethod::ALL.into_iter().find(|method| Some(method.key()) == wanted);
+            let options = &mut state.sheet.options;
+            options.count = self.plan.sample;
+            options.seed = self.plan.seed;
+            options.method = method.unwrap_or_default();
+            options.from = if self.plan.agent { ViewFrom::Agent } else { ViewFrom::Here };
+            actions::sample_view(state);
+        }
+        Stage::Sampling
+    }
+
+    fn accept(&mut self, state: &mut EditorState) -> Stage {
+        let keys: Vec<u64> = state.sheet.open_cards().take(self.plan.accept).collect();
+        state.accept_cards(&keys);
+        Stage::Accepting
     }
 
     fn look(&mut self, state: &mut EditorState) -> Stage {
@@ -100,14 +143,32 @@ impl Script {
             Some("help") => Overlay::Help,
             Some("import") => Overlay::Import,
             Some("history") => Overlay::History,
+            Some("new-room") => Overlay::NewRoom,
+            Some("networks") => Overlay::Networks(0),
             _ => Overlay::None,
         };
+        match self.plan.overlay.as_deref() {
+            Some("samples") => state.requests.show_sheet = true,
+            Some("why") => {
+                actions::show_why(state);
+                state.view.before = true;
+            }
+            _ => {}
+        }
+        if self.plan.overlay.as_deref() != Some("samples") {
+            state.sheet.chosen = None;
+        }
         state.notices.hide_news();
         Stage::Settling(SETTLE_FRAMES)
     }
 
     fn take(&self, ctx: &Context) -> Stage {
-        let (file, result, again) = (self.plan.file.clone(), self.result.clone(), ctx.clone());
+        let (result, again) = (self.result.clone(), ctx.clone());
+        let Some(file) = self.plan.file.clone() else {
+            *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(Ok(()));
+            again.send_viewport_cmd(ViewportCommand::Close);
+            return Stage::Taking;
+        };
         ctx.request_screenshot(move |picture| {
             *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(write_png(&file, &picture));
             again.send_viewport_cmd(ViewportCommand::Close);

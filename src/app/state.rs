@@ -9,7 +9,11 @@ use super::engine::{Energies, Engine, ImportSummary};
 use super::jobs::Jobs;
 use super::notices::Notices;
 use super::orbit::Orbit;
+use super::photo::PhotoPanel;
+use super::rooms::NewRoom;
+use super::samples::{Origin, Seen, Sheet};
 use super::selection::{Item, Selection};
+use super::transform::Transform;
 use crate::document::Command;
 use crate::document::Document;
 use crate::document::RoomVersion;
@@ -73,8 +77,16 @@ pub enum Overlay {
     Notifications,
     /// A new name for an item.
     Rename(Item, String),
+    /// Export by typing a folder.
+    ExportPath(String),
+    /// Offers the work of a session that did not end on purpose.
+    Recover(PathBuf),
     /// Asks before unsaved changes are lost.
     Unsaved(Leaving),
+    /// A room that the program makes.
+    NewRoom,
+    /// The bundled networks: curves and figures of the one with this number.
+    Networks(usize),
 }
 
 impl Overlay {
@@ -82,7 +94,13 @@ impl Overlay {
     pub fn takes_keys(&self) -> bool {
         !matches!(
             self,
-            Self::None | Self::Shortcuts | Self::Help | Self::Import | Self::History | Self::Notifications
+            Self::None
+                | Self::Shortcuts
+                | Self::Help
+                | Self::Import
+                | Self::History
+                | Self::Notifications
+                | Self::Networks(_)
         )
     }
 }
@@ -105,11 +123,13 @@ pub struct PopulateOptions {
     pub families: BTreeSet<PoseFamily>,
     /// Root of the seed tree.
     pub seed: u64,
+    /// People who were moved by hand are fitted to where they are now.
+    pub settle: bool,
 }
 
 impl Default for PopulateOptions {
     fn default() -> Self {
-        Self { people: 6, families: PoseFamily::ALL.into_iter().collect(), seed: 1 }
+        Self { people: 6, families: PoseFamily::ALL.into_iter().collect(), seed: 1, settle: true }
     }
 }
 
@@ -126,11 +146,13 @@ pub struct ViewOptions {
     pub dark: bool,
     /// Only these are drawn, if set.
     pub isolated: Option<BTreeSet<Item>>,
+    /// The active person's body before its fit is drawn as a ghost.
+    pub before: bool,
 }
 
 impl Default for ViewOptions {
     fn default() -> Self {
-        Self { heat: Heat::Off, grid: true, cutaway: true, dark: true, isolated: None }
+        Self { heat: Heat::Off, grid: true, cutaway: true, dark: true, isolated: None, before: false }
     }
 }
 
@@ -143,10 +165,22 @@ pub struct WindowRequests {
     pub open_dialog: bool,
     /// Ask for a file to save to.
     pub save_dialog: bool,
+    /// Ask for a folder to export to.
+    pub export_dialog: bool,
     /// Switch full screen.
     pub full_screen: bool,
     /// Put the panels back.
     pub reset_layout: bool,
+    /// Bring the contact sheet to the front.
+    pub show_sheet: bool,
+    /// Bring *Why like this* to the front.
+    pub show_why: bool,
+    /// Bring *Sample* to the front.
+    pub show_sample: bool,
+    /// Bring *Photo* to the front.
+    pub show_photo: bool,
+    /// Ask for a photo (false) or its keypoints (true).
+    pub photo_dialog: Option<bool>,
 }
 
 /// A measured body: valid for exactly this body in exactly this room.
@@ -180,26 +214,41 @@ pub struct EditorState {
     pub view: ViewOptions,
     /// What a click does.
     pub tool: Tool,
+    /// What is being moved by hand.
+    pub transform: Option<Transform>,
     /// What lies over the window.
     pub overlay: Overlay,
     /// What was understood of the room's file.
     pub import: Option<ImportSummary>,
     /// The file that *Save* writes.
     pub project: Option<PathBuf>,
+    /// Where unsaved work is kept against crashes: never the user's project.
+    pub autosave: Option<PathBuf>,
     /// Files opened lately, the newest first.
     pub recent: Vec<PathBuf>,
     /// People as the running job has them so far.
     pub ghosts: Vec<Person>,
+    /// Candidates that were sampled from a view.
+    pub sheet: Sheet,
+    /// What a network would see from here, when it was last asked.
+    pub look: Option<Arc<Seen>>,
+    /// The photo over the view.
+    pub photo: PhotoPanel,
+    /// The room that is being made.
+    pub new_room: NewRoom,
     /// Who was made last, for re-rolls without a selection.
     pub last_made: Vec<PersonId>,
     /// What the window is to do.
     pub requests: WindowRequests,
     /// Width over height of the viewport, for framing.
     pub aspect: f32,
+    /// Rises with every measurement: the heat map changes with it.
+    pub measurements: u64,
     /// Number of the finding looked at last.
     pub finding: Option<usize>,
     pub(super) geometry: Option<(RoomVersion, Arc<RoomGeometry>)>,
     pub(super) measured: BTreeMap<PersonId, Measured>,
+    pub(super) origins: BTreeMap<PersonId, Arc<Origin>>,
     pub(super) engine: Arc<dyn Engine>,
     pub(super) wake: Arc<dyn Fn() + Send + Sync>,
 }
@@ -216,17 +265,25 @@ impl EditorState {
             populate: PopulateOptions::default(),
             view: ViewOptions::default(),
             tool: Tool::default(),
+            transform: None,
             overlay: Overlay::default(),
             import: None,
             project: None,
+            autosave: None,
             recent: Vec::new(),
             ghosts: Vec::new(),
+            sheet: Sheet::default(),
+            look: None,
+            photo: PhotoPanel::default(),
+            new_room: NewRoom::default(),
             last_made: Vec::new(),
             requests: WindowRequests::default(),
             aspect: 1.5,
+            measurements: 0,
             finding: None,
             geometry: None,
             measured: BTreeMap::new(),
+            origins: BTreeMap::new(),
             engine,
             wake,
         }
@@ -246,6 +303,24 @@ impl EditorState {
     pub fn geometry(&self) -> Option<&Arc<RoomGeometry>> {
         let (version, geometry) = self.geometry.as_ref()?;
         (*version == self.document.room_version()).then_some(geometry)
+    }
+
+    /// Where a person came from, if that is known: who was made in this session.
+    pub fn origin(&self, id: PersonId) -> Option<&Arc<Origin>> {
+        self.origins.get(&id)
+    }
+
+    /// Everybody who is drawn but not there: people being fitted, the chosen candidate, the active person
+    /// before the fit.
+    pub fn shown_ghosts(&self) -> Vec<Person> {
+        let mut ghosts = self.ghosts.clone();
+        ghosts.extend(self.sheet.chosen_card().map(|card| card.person.clone()));
+        let active = self.selection.active_person().filter(|_| self.view.before);
+        let person = active.and_then(|id| self.document.scene().person(id));
+        if let Some((person, origin)) = person.and_then(|person| Some((person, self.origin(person.id)?))) {
+            ghosts.push(Person { body: origin.before.clone(), ..person.clone() });
+        }
+        ghosts
     }
 
     /// Does `command` and says so when it is refused. Whether anything changed.
@@ -272,6 +347,15 @@ impl EditorState {
         holds.then_some(measured)
     }
 
+    /// Signed distance of every vertex of a person to paint them by. While they are being moved those measured last
+    /// will do: the next ones are under way.
+    pub fn shown_distances_m(&self, id: PersonId) -> Option<Arc<[f32]>> {
+        let moved = self.transform.as_ref().is_some_and(|t| t.holds(id));
+        let measured = if moved { self.measured.get(&id) } else { self.measured(id) };
+        let wanted = moved || self.view.heat == Heat::Distance;
+        measured.filter(|_| wanted).map(|m| m.distances_m.clone())
+    }
+
     /// Keeps what was measured of `person` in the room of `version`.
     pub(super) fn keep_measured(
         &mut self,
@@ -285,16 +369,12 @@ impl EditorState {
         let measured =
             Measured { body: person.body.clone(), version, report: Arc::new(report), distances_m, energies };
         self.measured.insert(person.id, measured);
+        self.measurements += 1;
     }
 
     /// Forgets a measurement, so that it is made again.
     pub(super) fn forget_measured(&mut self, id: PersonId) {
         self.measured.remove(&id);
-    }
-
-    /// How many measurements hold; the heat map changes with it.
-    pub fn measured_count(&self) -> usize {
-        self.document.scene().people.iter().filter(|p| self.measured(p.id).is_some()).count()
     }
 
     /// People that have not been measured as they are.

@@ -24,14 +24,20 @@ pub fn viewport(ui: &mut Ui, state: &mut EditorState, canvas: &mut Canvas) -> bo
     state.aspect = rect.width() / rect.height();
     navigate(ui, state, &response, rect);
     let hovered = hovered(ui, state, &response, rect);
+    transform(ui, state, rect);
     canvas.show(ui, rect, state, hovered.map(|h| h.item));
-    click(ui, state, &response, hovered);
-    select_by_box(ui, state, &response, rect);
+    photo_over_view(ui, state, rect);
+    if state.transform.is_some() {
+        end_transform(ui, state, &response);
+    } else {
+        click(ui, state, &response, hovered);
+        select_by_box(ui, state, &response, rect);
+        menu(state, &response);
+    }
     overlay3d::axes(ui, state, rect);
     overlay3d::legend(ui, state, rect);
     value_under_cursor(ui, state, &response, hovered);
     tool_cursor(ui, state, &response);
-    menu(state, &response);
     if state.orbit.advance(ui.input(|i| i.stable_dt)) {
         ui.ctx().request_repaint();
     }
@@ -50,8 +56,9 @@ fn navigate(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect) {
     let modifiers = ui.input(|i| i.modifiers);
     let delta = response.drag_delta();
     let dragged = |button| response.dragged_by(button);
-    let (left, middle, right) =
-        (dragged(PointerButton::Primary), dragged(PointerButton::Middle), dragged(PointerButton::Secondary));
+    let middle = dragged(PointerButton::Middle);
+    let free = state.transform.is_none();
+    let (left, right) = (free && dragged(PointerButton::Primary), free && dragged(PointerButton::Secondary));
     if middle && (modifiers.shift || modifiers.alt) {
         state.orbit.pan(delta.x, delta.y, rect.height());
     } else if middle || (left && modifiers.alt) {
@@ -63,6 +70,45 @@ fn navigate(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect) {
         fly(ui, state, modifiers);
     }
     wheel(ui, state, response, rect, right);
+}
+
+/// The photo that a person is found in, and the person's keypoints.
+fn photo_over_view(ui: &Ui, state: &EditorState, rect: Rect) {
+    let Some(photo) = &state.photo.photo else { return };
+    let place = photo.place(rect);
+    let painter = ui.painter().with_clip_rect(rect);
+    photo.picture.paint_tinted(ui, place, Color32::WHITE.gamma_multiply(state.photo.opacity));
+    painter.rect_stroke(place, 0.0, egui::Stroke::new(1.0, Color32::WHITE), egui::StrokeKind::Inside);
+    let Some(person) = state.photo_keypoints() else { return };
+    let scale = place.width() / photo.size_px[0].max(1) as f32;
+    for point in person.points.iter().filter(|point| point.confidence > 0.0) {
+        let at = place.min + vec2(point.pixel.x, point.pixel.y) * scale;
+        let color = Color32::from_rgb(255, 196, 0).gamma_multiply(0.4 + 0.6 * point.confidence.min(1.0));
+        painter.circle(at, 4.0, color, egui::Stroke::new(1.0, Color32::BLACK));
+    }
+}
+
+/// What is moved by hand follows the mouse.
+fn transform(ui: &Ui, state: &mut EditorState, rect: Rect) {
+    if state.transform.is_none() {
+        return;
+    }
+    let (at, snap) = ui.input(|i| (i.pointer.latest_pos(), i.modifiers.command));
+    if let Some(at) = at {
+        let ray = ray_at(state, rect, at);
+        state.drag_transform(&ray, snap);
+    }
+    ui.ctx().set_cursor_icon(egui::CursorIcon::Move);
+}
+
+/// The left button keeps it, the right one leaves everything as it was.
+fn end_transform(ui: &Ui, state: &mut EditorState, response: &Response) {
+    let (left, right) = ui.input(|i| {
+        (i.pointer.button_pressed(PointerButton::Primary), i.pointer.button_pressed(PointerButton::Secondary))
+    });
+    if response.contains_pointer() && (left || right) {
+        state.end_transform(left);
+    }
 }
 
 fn fly(ui: &Ui, state: &mut EditorState, modifiers: Modifiers) {
@@ -233,7 +279,20 @@ fn menu(state: &mut EditorState, response: &Response) {
         return;
     }
     response.context_menu(|ui| {
-        for id in ["frame", "re-roll", "isolate", "hide", "lock", "duplicate", "rename", "delete"] {
+        for id in [
+            "frame",
+            "why",
+            "move",
+            "turn",
+            "settle",
+            "re-roll",
+            "isolate",
+            "hide",
+            "lock",
+            "duplicate",
+            "rename",
+            "delete",
+        ] {
             if panels::menu_entry(ui, state, id) {
                 ui.close();
             }

@@ -1,22 +1,28 @@
 //! The window itself: panels in a dock around the viewport, keys, dropped files, dialogs.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use egui::{Context, Key, Modifiers, Ui, ViewportCommand};
-use egui_tiles::{Container, Linear, LinearDir, SimplificationOptions, TileId, Tiles, Tree, UiResponse};
+use egui_tiles::{
+    Container, Linear, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse,
+};
 
 use super::actions;
+use super::autosave::Autosave;
 use super::canvas::Canvas;
 use super::commands;
 use super::engine::Engine;
+use super::frames::{FrameClock, FrameTimes};
 use super::panels;
 use super::panels::RenderStatus;
 use super::state::{EditorState, Overlay};
 use super::theme;
 use super::viewport;
 use crate::document::Settings;
+use crate::document::is_leftover;
 use crate::job::{Job, Outcome, Seed};
 
 /// Jobs report hundreds of steps a second; a frame for each would take the processor from them.
@@ -29,7 +35,11 @@ enum Pane {
     Objects,
     People,
     Populate,
+    Sample,
+    Photo,
     Inspector,
+    Why,
+    Candidates,
     Findings,
     Energies,
     Jobs,
@@ -39,6 +49,8 @@ enum Pane {
 pub struct Window {
     /// The editor.
     pub state: EditorState,
+    /// A job has asked for a frame and none was drawn since: thousands of steps a second cost one request.
+    woken: Arc<AtomicBool>,
     canvas: Canvas,
     tree: Tree<Pane>,
     dialog: Option<Dialog>,
@@ -48,6 +60,9 @@ pub struct Window {
     leaving: bool,
     title: String,
     settings: Option<Remembered>,
+    autosave: Option<Autosave>,
+    clock: FrameClock,
+    times: Option<Arc<Mutex<FrameTimes>>>,
 }
 
 /// Where settings are kept, and as they were kept last.
@@ -61,6 +76,9 @@ struct Remembered {
 enum Dialog {
     Open(Job<Option<PathBuf>>),
     Save(Job<Option<PathBuf>>),
+    Export(Job<Option<PathBuf>>),
+    /// A photo (false) or its keypoints (true).
+    Photo(Job<Option<PathBuf>>, bool),
 }
 
 impl Window {
@@ -68,9 +86,16 @@ impl Window {
     pub fn new(cc: &eframe::CreationContext<'_>, engine: Arc<dyn Engine>) -> Self {
         theme::install(&cc.egui_ctx);
         let ctx = cc.egui_ctx.clone();
-        let wake = Arc::new(move || ctx.request_repaint_after(NEWS_EVERY));
+        let woken = Arc::new(AtomicBool::new(false));
+        let asked = woken.clone();
+        let wake = Arc::new(move || {
+            if !asked.swap(true, Ordering::AcqRel) {
+                ctx.request_repaint_after(NEWS_EVERY);
+            }
+        });
         Self {
             state: EditorState::new(engine, wake),
+            woken,
             canvas: Canvas::new(cc.wgpu_render_state.as_ref()),
             tree: layout(),
             dialog: None,
@@ -80,7 +105,16 @@ impl Window {
             leaving: false,
             title: String::new(),
             settings: None,
+            autosave: None,
+            clock: FrameClock::default(),
+            times: None,
         }
+    }
+
+    /// Puts the times of all frames into `times` when the window closes.
+    #[must_use]
+    pub fn keeping_times(self, times: Arc<Mutex<FrameTimes>>) -> Self {
+        Self { times: Some(times), ..self }
     }
 
     /// Takes recent files and theme from `path`, and keeps them there from now on.
@@ -90,6 +124,16 @@ impl Window {
         self.state.recent.clone_from(&kept.recent);
         self.state.view.dark = !kept.light;
         self.settings = Some(Remembered { path, kept, keeping: None });
+    }
+
+    /// Keeps unsaved people in `path` against crashes; offers what an earlier session left there.
+    pub fn keep_safe(&mut self, path: Option<PathBuf>) {
+        let Some(path) = path else { return };
+        if is_leftover(&path) {
+            self.state.overlay = Overlay::Recover(path.clone());
+        }
+        self.state.autosave = Some(path.clone());
+        self.autosave = Some(Autosave::new(path));
     }
 
     /// Writes the settings beside the window when they have changed.
@@ -131,6 +175,10 @@ impl Window {
         let events = ctx.input(|i| i.events.clone());
         for event in events {
             let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { continue };
+            if !typing && self.state.key_in_transform(key, modifiers) {
+                ctx.input_mut(|i| i.consume_key(modifiers, key));
+                continue;
+            }
             if let Some(command) = command_for(key, modifiers, typing, flying, &self.state.overlay) {
                 ctx.input_mut(|i| i.consume_key(modifiers, key));
                 run_if_possible(&mut self.state, command);
@@ -158,11 +206,27 @@ impl Window {
         if requests.reset_layout {
             self.tree = layout();
         }
+        for (asked, pane) in [
+            (requests.show_sheet, Pane::Candidates),
+            (requests.show_sample, Pane::Sample),
+            (requests.show_why, Pane::Why),
+            (requests.show_photo, Pane::Photo),
+        ] {
+            if asked {
+                self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(of) if *of == pane));
+            }
+        }
         if requests.open_dialog {
             self.dialog = Some(Dialog::Open(super::dialog::ask_open(ctx)));
         }
         if requests.save_dialog {
             self.dialog = Some(Dialog::Save(super::dialog::ask_save(ctx)));
+        }
+        if let Some(keypoints) = requests.photo_dialog {
+            self.dialog = Some(Dialog::Photo(super::dialog::ask_photo(ctx, keypoints), keypoints));
+        }
+        if requests.export_dialog {
+            self.dialog = Some(Dialog::Export(super::dialog::ask_folder(ctx)));
         }
         let dark = self.state.view.dark;
         ctx.set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
@@ -170,20 +234,32 @@ impl Window {
 
     /// What the user chose in a dialog; without a dialog on this desktop, a field for the path instead.
     fn poll_dialog(&mut self) {
-        let outcome = match &mut self.dialog {
-            Some(Dialog::Open(job) | Dialog::Save(job)) => job.poll(),
-            None => None,
-        };
-        let Some(outcome) = outcome else { return };
-        let saving = matches!(self.dialog.take(), Some(Dialog::Save(_)));
-        match outcome {
-            Outcome::Done(Some(path)) if saving => {
-                self.state.start_saving(panels::with_project_extension(path));
+        let waiting = self.dialog.as_mut().map(|dialog| match dialog {
+            Dialog::Open(job) | Dialog::Save(job) | Dialog::Export(job) | Dialog::Photo(job, _) => job,
+        });
+        let Some(job) = waiting else { return };
+        let Some(outcome) = job.poll() else { return };
+        let Some(dialog) = self.dialog.take() else { return };
+        let state = &mut self.state;
+        match (outcome, dialog) {
+            (Outcome::Done(Some(path)), Dialog::Open(_)) => actions::open_file(state, path),
+            (Outcome::Done(Some(path)), Dialog::Save(_)) => {
+                state.start_saving(panels::with_project_extension(path));
             }
-            Outcome::Done(Some(path)) => actions::open_file(&mut self.state, path),
-            Outcome::Done(None) => {}
-            _ if saving => self.state.overlay = Overlay::SavePath(String::new()),
-            _ => self.state.overlay = Overlay::OpenPath(String::new()),
+            (Outcome::Done(Some(path)), Dialog::Export(_)) => state.start_exporting(path),
+            (Outcome::Done(Some(path)), Dialog::Photo(_, true)) => {
+                state.photo.keypoints_path = path.display().to_string();
+            }
+            (Outcome::Done(Some(path)), Dialog::Photo(_, false)) => {
+                state.photo.picture_path = path.display().to_string();
+            }
+            (Outcome::Done(None), _) => {}
+            (_, Dialog::Photo(..)) => {
+                state.notices.warning("This desktop has no file dialog: type the path.");
+            }
+            (_, Dialog::Open(_)) => state.overlay = Overlay::OpenPath(String::new()),
+            (_, Dialog::Save(_)) => state.overlay = Overlay::SavePath(String::new()),
+            (_, Dialog::Export(_)) => state.overlay = Overlay::ExportPath(String::new()),
         }
     }
 
@@ -206,9 +282,15 @@ impl Window {
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
+        self.clock.begin(self.state.jobs.populating());
+        // Before the jobs are looked at, so that news during the look ask for another frame.
+        self.woken.store(false, Ordering::Release);
         self.state.poll();
         self.poll_dialog();
         self.keep_settings();
+        if let Some(next) = self.autosave.as_mut().and_then(|autosave| autosave.keep(&mut self.state)) {
+            ctx.request_repaint_after(next);
+        }
         self.show_title(ctx);
         let passed = Duration::from_secs_f32(ctx.input(|i| i.unstable_dt).min(1.0));
         if let Some(next) = self.state.notices.advance(passed) {
@@ -239,6 +321,16 @@ impl eframe::App for Window {
         panels::drop_hint(&ctx);
         panels::toasts(&ctx, &mut self.state);
         self.do_requests(&ctx);
+        self.clock.end(self.state.jobs.populating());
+    }
+
+    fn on_exit(&mut self) {
+        if let Some(autosave) = &mut self.autosave {
+            autosave.discard();
+        }
+        if let Some(times) = &self.times {
+            *times.lock().unwrap_or_else(PoisonError::into_inner) = self.clock.times().clone();
+        }
     }
 
     /// Tab goes through the people, not through the widgets, while nobody types.
@@ -292,13 +384,13 @@ fn layout() -> Tree<Pane> {
     let objects = tabs(&[Pane::Objects]);
     let people = tabs(&[Pane::People]);
     let view = tabs(&[Pane::Viewport]);
-    let below = tabs(&[Pane::Findings, Pane::Energies, Pane::Jobs]);
-    let populate = tabs(&[Pane::Populate]);
-    let inspector = tabs(&[Pane::Inspector]);
+    let below = tabs(&[Pane::Findings, Pane::Candidates, Pane::Energies, Pane::Jobs]);
+    let populate = tabs(&[Pane::Populate, Pane::Sample, Pane::Photo]);
+    let inspector = tabs(&[Pane::Inspector, Pane::Why]);
     let mut column =
         |children: [TileId; 2], shares: [f32; 2]| linear(&mut tiles, LinearDir::Vertical, &children, &shares);
     let left = column([objects, people], [0.6, 0.4]);
-    let middle = column([view, below], [0.78, 0.22]);
+    let middle = column([view, below], [0.74, 0.26]);
     let right = column([populate, inspector], [0.46, 0.54]);
     let root = linear(&mut tiles, LinearDir::Horizontal, &[left, middle, right], &[0.17, 0.61, 0.22]);
     Tree::new(egui::Id::unique("dock"), root, tiles)
@@ -328,7 +420,11 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Viewport | Pane::Objects => panels::outliner,
             Pane::People => panels::people,
             Pane::Populate => panels::populate,
+            Pane::Sample => panels::sample,
+            Pane::Photo => panels::photo,
             Pane::Inspector => panels::inspector,
+            Pane::Why => panels::why,
+            Pane::Candidates => panels::sheet,
             Pane::Findings => panels::findings,
             Pane::Energies => panels::energies,
             Pane::Jobs => panels::jobs,
@@ -343,7 +439,11 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Objects => "Objects".to_owned(),
             Pane::People => format!("People {}", self.state.document.scene().people.len()),
             Pane::Populate => "Populate".to_owned(),
+            Pane::Sample => "Sample".to_owned(),
+            Pane::Photo => "Photo".to_owned(),
             Pane::Inspector => "Inspector".to_owned(),
+            Pane::Why => "Why like this".to_owned(),
+            Pane::Candidates => format!("Candidates {}", self.state.sheet.cards.len()),
             Pane::Findings => format!("Findings {}", self.state.findings().len()),
             Pane::Energies => "Energies".to_owned(),
             Pane::Jobs => "Jobs".to_owned(),

@@ -16,11 +16,13 @@ mod weights;
 mod budget;
 mod encode;
 mod error;
+mod furniture;
 mod gltf;
 mod hash;
 mod keypoints;
 mod mend;
 mod model;
+mod npz_write;
 mod obj;
 mod picture;
 mod ply;
@@ -36,11 +38,13 @@ pub use clips::{CLIP_JOINTS, PoseClip, read_pose_clips};
 pub use deepmimic::read_deepmimic;
 pub use encode::{encode_jpeg, encode_png};
 pub use error::{AssetError, Problem};
+pub use furniture::{furniture_model, furniture_names};
 pub use hash::{ContentHasher, NumberHasher, NumberMap, content_hash};
 pub use keypoints::{
     Keypoint, KeypointSet, PersonKeypoints, PictureKeypoints, read_keypoints, read_keypoints_bytes,
 };
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
+pub use picture::read_photo;
 pub use read::{read_model, read_model_bytes};
 pub use rig_motion::{RigJoint, RigMotion};
 pub use samples::{SampleRoom, sample_rooms};

@@ -1,4 +1,4 @@
-//! NumPy archives (`.npz`): named arrays of plain numbers, in and nothing else.
+//! NumPy archives (`.npz`): named arrays of plain numbers, in and out, nothing else.
 //!
 //! Pickled objects are never opened, whatever their name. Sizes are checked against a budget and against
 //! the bytes that are there before anything is allocated.
@@ -8,6 +8,8 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 use npyz::{DType, NpyFile, Order, TypeChar};
+
+pub use super::npz_write::{NpzWriter, Number};
 
 /// Most bytes that one archive may hold once inflated. A full SMPL-X model with 400 shape and expression
 /// directions inflates to about 170 MB.

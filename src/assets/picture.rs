@@ -1,13 +1,15 @@
 //! Decodes pictures, after their size has been checked against the budget.
 
 use std::io::Cursor;
+use std::path::Path;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::budget::Budget;
-use super::error::Fault;
+use super::error::{AssetError, Fault};
 use super::model::{ImageFile, Texture};
+use super::uri::read_plain_file;
 
 /// A picture as a file holds it.
 pub(super) struct EncodedPicture {
@@ -85,6 +87,25 @@ fn decode(picture: &EncodedPicture, budget: &Budget) -> Result<Texture, String> 
     let file = Some(ImageFile { mime, bytes: picture.bytes.as_slice().into() });
     let (width, height) = kept.dimensions();
     Ok(Texture { name: picture.name.clone(), width, height, rgba: kept.into_raw(), file })
+}
+
+/// Reads a photo, a PNG or JPEG file, and tells its columns and rows: large ones are kept halved.
+///
+/// # Errors
+/// Names the file, what is wrong and what to do.
+pub fn read_photo(path: &Path, budget: &Budget) -> Result<(Texture, [u32; 2]), AssetError> {
+    let shown = path.display().to_string();
+    let read = || {
+        let bytes = read_plain_file(path, budget)?;
+        let (width, height) = sides(&bytes)
+            .ok_or_else(|| Fault::malformed("the first bytes", "it is not a PNG or JPEG picture"))?;
+        let place = "the whole file".to_owned();
+        let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let texture = decode(&EncodedPicture { name, place, bytes }, budget)
+            .map_err(|why| Fault::malformed("the whole file", why))?;
+        Ok((texture, [width, height]))
+    };
+    read().map_err(|fault: Fault| fault.in_file(&shown))
 }
 
 /// Every 2 x 2 pixels averaged into one.

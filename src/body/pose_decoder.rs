@@ -127,7 +127,8 @@ impl PoseDecoder {
         let mut rows = second.forward_many(&rows);
         rows.chunks_exact_mut(hidden).for_each(|row| slope_of_leaky(row, at_second));
         let rows = out.forward_many(&rows);
-        let turns: Vec<[[f32; 6]; 3]> = (0..BODY_JOINTS).map(|joint| turns_of_six(&six_of(six, joint))).collect();
+        let turns: Vec<[[f32; 6]; 3]> =
+            (0..BODY_JOINTS).map(|joint| turns_of_six(&six_of(six, joint))).collect();
         rows.chunks_exact(SIXES).map(|row| self.slope_row(row, &turns, figure)).collect()
     }
 
@@ -142,9 +143,12 @@ impl PoseDecoder {
             if joint > 0 {
                 let parent = PARENTS[joint];
                 let own = six_of(row, joint - 1);
-                by = Vec3::from_array(turns[joint - 1].map(|turn| turn.iter().zip(&own).map(|(t, r)| t * r).sum()));
+                by = Vec3::from_array(
+                    turns[joint - 1].map(|turn| turn.iter().zip(&own).map(|(t, r)| t * r).sum()),
+                );
                 spin[joint] = spin[parent] + figure.world[joint] * by;
-                moved[joint] = moved[parent] + spin[parent].cross(figure.position[joint] - figure.position[parent]);
+                moved[joint] =
+                    moved[parent] + spin[parent].cross(figure.position[joint] - figure.position[parent]);
             }
             let turned = rotation::skew(spin[joint]) * figure.world[joint];
             self.push_misfit(joint, moved[joint] + turned * self.middle[joint], turned, by, &mut slope);

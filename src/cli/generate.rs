@@ -3,21 +3,24 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 
 use super::load::{self, Loaded};
 use super::output::OutputFolder;
-use super::people::person_glb;
 use super::pictures::Photographer;
 use super::progress::run_job;
 use super::report::{BodyRow, GenerateReport, Seconds, Summary};
 use super::{Common, Ended, Method, WindowArguments, use_threads};
+use crate::assets::Weights;
 use crate::body::Body;
 use crate::document::{Project, save_project};
-use crate::evolve::{PopulateRequest, Populated, populate};
+use crate::evolve::{LearnedRequest, PopulateRequest, Populated, populate, populate_learned};
+use crate::generate::learned::{LearnedMethod, LearnedSampler};
 use crate::job::{JobCtx, Seed};
-use crate::render::BodySurface;
+use crate::nn::psi::PsiMethod;
+use crate::render::{BodySurface, person_glb};
 use crate::scene::{Person, PoseFamily, RoomGeometry, Scene};
 
 /// How many people come when nobody says.
@@ -35,6 +38,9 @@ pub struct GenerateArguments {
     /// Where samples come from.
     #[arg(long, value_enum, default_value_t = Method::Search)]
     pub method: Method,
+    /// Weights of `inhabit train psi` instead of those that come with the program.
+    #[arg(long, value_name = "FILE")]
+    pub weights: Option<PathBuf>,
     /// Only near this point: metres, world frame.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub at: Option<Vec3>,
@@ -93,6 +99,7 @@ impl GenerateArguments {
             room: window.open.clone(),
             people: window.populate.unwrap_or(DEFAULT_PEOPLE),
             method: Method::Search,
+            weights: None,
             at: None,
             family: None,
             out: None,
@@ -159,6 +166,38 @@ pub fn run(arguments: &GenerateArguments) -> anyhow::Result<Ended> {
     })
 }
 
+/// Where proposals come from.
+enum Sampler {
+    Search,
+    Bundled(&'static LearnedSampler),
+    Own(Box<LearnedSampler>),
+}
+
+impl Sampler {
+    fn of(arguments: &GenerateArguments) -> anyhow::Result<Self> {
+        let network = match arguments.method {
+            Method::Search => return Ok(Self::Search),
+            Method::S1 => PsiMethod::S1,
+            Method::S2 => PsiMethod::S2,
+            Method::Baseline => PsiMethod::Baseline,
+        };
+        let Some(file) = &arguments.weights else {
+            return Ok(Self::Bundled(LearnedSampler::bundled(LearnedMethod::best_of(network))?));
+        };
+        let bytes = std::fs::read(file).with_context(|| format!("can't read {}", file.display()))?;
+        let own = LearnedSampler::from_weights(&Weights::from_bytes(&file.display().to_string(), &bytes)?)?;
+        Ok(Self::Own(Box::new(own)))
+    }
+
+    fn network(&self) -> Option<&LearnedSampler> {
+        match self {
+            Self::Search => None,
+            Self::Bundled(network) => Some(network),
+            Self::Own(network) => Some(network),
+        }
+    }
+}
+
 fn compute(arguments: &GenerateArguments, loaded: &Loaded) -> anyhow::Result<Option<Computed>> {
     let room = loaded.room.clone();
     let request = PopulateRequest {
@@ -169,12 +208,19 @@ fn compute(arguments: &GenerateArguments, loaded: &Loaded) -> anyhow::Result<Opt
         next_id: loaded.people.iter().map(|p| p.id.0 + 1).max().unwrap_or(0),
         ..PopulateRequest::default()
     };
+    let sampler = Sampler::of(arguments)?;
     let work = move |cx: &JobCtx| {
         let started = Instant::now();
         let geometry = load::geometry(&room, cx.ticker())?;
         let field_seconds = started.elapsed().as_secs_f64();
         let cx = JobCtx::watched(cx.seed, cx.ticker().clone());
-        let populated = populate(&room, &geometry, &request, &cx)?;
+        let populated = match sampler.network() {
+            None => populate(&room, &geometry, &request, &cx)?,
+            Some(network) => {
+                let request = LearnedRequest { populate: request, ..LearnedRequest::default() };
+                populate_learned(&room, &geometry, network, &request, &cx)?
+            }
+        };
         Ok(Computed { geometry, populated, field_seconds })
     };
     run_job("generate", Seed::root(arguments.common.seed), arguments.common.quiet, work)

@@ -8,6 +8,7 @@ use anyhow::Context as _;
 use crate::assets::{self, Budget};
 use crate::document::load_project;
 use crate::job::{Stop, Ticker};
+use crate::scene::layout::{RoomType, new_room as new_room_model};
 use crate::scene::{self, GeometryConfig, ImportOptions, ImportReport, Person, Room, RoomGeometry};
 
 use super::report::{FieldRow, RoomRow};
@@ -35,6 +36,9 @@ pub fn load(path: Option<&Path>, options: &ImportOptions) -> anyhow::Result<Load
     if let Some(key) = sample_key(path) {
         return sample(Some(&key), options);
     }
+    if let Some(wanted) = path.to_str().and_then(|p| p.strip_prefix("new:")) {
+        return new_room(wanted, options);
+    }
     let shown = path.display().to_string();
     if is_project(path) {
         let scene = load_project(path)?.project.scene;
@@ -53,6 +57,20 @@ pub fn load(path: Option<&Path>, options: &ImportOptions) -> anyhow::Result<Load
 /// `sample:living` names a bundled room.
 fn sample_key(path: &Path) -> Option<String> {
     path.to_str()?.strip_prefix("sample:").map(str::to_owned)
+}
+
+/// `new:living:7` makes the living room of seed 7; without a number it is that of seed 0.
+fn new_room(wanted: &str, options: &ImportOptions) -> anyhow::Result<Loaded> {
+    let (key, seed) = wanted.split_once(':').unwrap_or((wanted, "0"));
+    let keys = || RoomType::ALL.map(RoomType::key).join(", ");
+    let kind = RoomType::from_key(key)
+        .with_context(|| format!("there is no kind of room `new:{key}`: there are {}", keys()))?;
+    let seed: u64 = seed
+        .parse()
+        .with_context(|| format!("`new:{wanted}`: write a whole number as seed, such as new:{key}:7"))?;
+    let imported = scene::room_from_model(&new_room_model(kind, seed)?, options);
+    let path = format!("new:{key}:{seed}");
+    Ok(Loaded { room: Arc::new(imported.room), people: Vec::new(), import: Some(imported.report), path })
 }
 
 fn sample(key: Option<&str>, options: &ImportOptions) -> anyhow::Result<Loaded> {

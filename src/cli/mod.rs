@@ -5,6 +5,7 @@
 
 mod clips;
 mod convert;
+mod corpus;
 mod evaluate;
 mod figures;
 mod generate;
@@ -12,10 +13,11 @@ mod import;
 mod inspect;
 mod load;
 mod output;
-mod people;
 mod pictures;
 mod progress;
 mod report;
+mod sheet;
+mod stage;
 mod train;
 
 use std::path::PathBuf;
@@ -59,15 +61,31 @@ pub struct WindowArguments {
     #[arg(long, value_name = "FILE")]
     pub screenshot: Option<PathBuf>,
     /// Put this many people in before the picture is taken.
-    #[arg(long, value_name = "N", requires = "screenshot")]
+    #[arg(long, value_name = "N")]
     pub populate: Option<usize>,
+    /// Sample this many candidates from the view before the picture is taken.
+    #[arg(long, value_name = "N", requires = "screenshot")]
+    pub sample: Option<usize>,
+    /// Sample by this: `search`, `s1`, `s2` or `baseline`.
+    #[arg(long, value_name = "METHOD", requires = "sample")]
+    pub method: Option<String>,
+    /// Sample from what somebody in the room sees instead of from this view.
+    #[arg(long, requires = "sample")]
+    pub agent: bool,
+    /// Accept and fit the best so many candidates.
+    #[arg(long, value_name = "N", requires = "sample", default_value_t = 0)]
+    pub accept: usize,
+    /// Turn the view while the people of --populate are made, say how far apart the frames were, and quit.
+    #[arg(long, requires = "populate", hide = true)]
+    pub frame_times: bool,
     /// Root of the seed tree for --populate.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
     /// Colour the people by penetration and contact in the picture.
     #[arg(long, requires = "screenshot")]
     pub heat: bool,
-    /// Show this in the picture: `palette`, `shortcuts`, `help`, `import` or `history`.
+    /// Show this in the picture: `palette`, `shortcuts`, `help`, `import`, `history`, `samples`, `why`, `new-room`
+    /// or `networks`.
     #[arg(long, value_name = "NAME", requires = "screenshot")]
     pub overlay: Option<String>,
     /// Zoom on the selected person.
@@ -94,6 +112,8 @@ pub enum Command {
     /// Say how good something is: tables and pictures.
     #[command(subcommand)]
     Evaluate(evaluate::Evaluate),
+    /// Stage a corpus: rooms made by rule, people in them, views of them.
+    Stage(stage::StageArguments),
     /// Convert a room, layout or project to another format.
     Convert(convert::ConvertArguments),
 }
@@ -120,6 +140,12 @@ pub struct Common {
 pub enum Method {
     /// Affordance search: surfaces, heights, clearance, facing.
     Search,
+    /// The one-stage network of PSI, from what a camera sees.
+    S1,
+    /// The two-stage network of PSI: first where, then how.
+    S2,
+    /// The older network that PSI compares with.
+    Baseline,
 }
 
 /// How a command ended, when it did not fail.
@@ -144,6 +170,7 @@ pub fn run(command: Command) -> ExitCode {
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
+        Command::Stage(arguments) => stage::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
     };
     exit_code(result)

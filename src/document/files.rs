@@ -280,6 +280,23 @@ fn pack(written: &Written) -> std::io::Result<Vec<u8>> {
     Ok(zip.finish()?.into_inner())
 }
 
+/// Writes files into `folder`, by their paths in it; folders are made where they are missing, each file is
+/// replaced as a whole or not at all.
+///
+/// # Errors
+/// [`ProjectError::Write`] when the disk refuses.
+pub fn write_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), ProjectError> {
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        if let Some(around) = path.parent() {
+            let refused = |source| ProjectError::Write { file: shown(around), source };
+            std::fs::create_dir_all(around).map_err(refused)?;
+        }
+        replace(&path, bytes)?;
+    }
+    Ok(())
+}
+
 /// Puts `bytes` in place of the file at `path`: written beside it, forced to the disk, then renamed.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), ProjectError> {
     let beside = temporary(path);

@@ -16,7 +16,7 @@ mod tests;
 
 pub use change::{Change, Numbered, ObjectState, RoomState, RoomVersion};
 pub use command::{Command, Refused};
-pub use files::{LoadedProject, ProjectError, load_project, save_project};
+pub use files::{LoadedProject, ProjectError, load_project, save_project, write_folder};
 pub use history::Document;
 pub use project::{Project, WriteProblem};
-pub use settings::Settings;
+pub use settings::{Settings, autosave_path, is_leftover, remove_leftover};

@@ -46,3 +46,18 @@ impl Settings {
         replace(path, text.as_bytes())
     }
 }
+
+/// Where unsaved work is kept against crashes; `None` when the system names no such place.
+pub fn autosave_path() -> Option<PathBuf> {
+    Some(Settings::default_path()?.with_file_name("autosave.inhabit"))
+}
+
+/// Whether an earlier session that did not end on purpose left its work at `path`.
+pub fn is_leftover(path: &Path) -> bool {
+    path.is_file()
+}
+
+/// Removes work that was kept at `path`; that it may be gone already is fine.
+pub fn remove_leftover(path: &Path) {
+    let _ = std::fs::remove_file(path);
+}

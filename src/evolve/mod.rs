@@ -5,8 +5,10 @@
 mod choose;
 mod estimate;
 mod populate;
+mod populate_learned;
 mod refine;
 
 pub use estimate::{EstimateRequest, EstimatedPerson, EstimatorKind, estimate_person, mean_code, pinhole};
-pub use populate::{PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};
+pub use populate::{OnCancel, PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};
+pub use populate_learned::{LearnedRequest, populate_learned};
 pub use refine::{RefinePreview, RefineRequest, Refined, family_of, refine};

@@ -21,6 +21,16 @@ const PROPOSALS_PER_PERSON: usize = 2;
 /// Rounds of proposing and fitting before fewer people than asked for are reported.
 const ROUNDS: u64 = 4;
 
+/// What becomes of people that are there when the user cancels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OnCancel {
+    /// Nothing: cancelled is cancelled.
+    #[default]
+    Drop,
+    /// Those that are fitted and good are the result.
+    KeepBest,
+}
+
 /// Who should be put in.
 #[derive(Clone, Debug)]
 pub struct PopulateRequest {
@@ -38,6 +48,8 @@ pub struct PopulateRequest {
     pub fit: FitConfig,
     /// What is acceptable; candidates beyond it are not taken.
     pub limits: Limits,
+    /// What a cancel leaves.
+    pub on_cancel: OnCancel,
 }
 
 impl Default for PopulateRequest {
@@ -50,6 +62,7 @@ impl Default for PopulateRequest {
             next_id: 0,
             fit: FitConfig { preview_every: 8, ..FitConfig::default() },
             limits: Limits { psi_non_collision: 0.985, penetration_max_mm: 20.0, ..Limits::default() },
+            on_cancel: OnCancel::Drop,
         }
     }
 }
@@ -66,6 +79,8 @@ pub struct PopulatePreview {
 pub struct PopulatedPerson {
     /// The person.
     pub person: Person,
+    /// The body before it was fitted.
+    pub proposed: BodyParams,
     /// What was measured.
     pub report: BodyReport,
     /// What is above its limit.
@@ -92,12 +107,12 @@ pub struct Populated {
 }
 
 /// A fitted proposal on its way to being chosen.
-struct Candidate {
-    proposal: Proposal,
-    params: BodyParams,
-    report: BodyReport,
-    trace: Trace,
-    seconds: f64,
+pub(super) struct Candidate {
+    pub proposal: Proposal,
+    pub params: BodyParams,
+    pub report: BodyReport,
+    pub trace: Trace,
+    pub seconds: f64,
 }
 
 /// Puts people into a room. The same seed gives the same people, whatever the number of threads.
@@ -123,13 +138,20 @@ pub fn populate(
         }
         let seed = cx.seed.child("round", round);
         let started = Instant::now();
-        let proposals = propose(room, geometry, request, missing, seed, cx)?;
+        let proposals = match propose(room, geometry, request, missing, seed, cx) {
+            Ok(proposals) => proposals,
+            Err(_) if !result.people.is_empty() => return stopped(request, result),
+            Err(cancelled) => return Err(cancelled.into()),
+        };
         result.generate_seconds += started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let candidates = fit_all(geometry, request, proposals, cx)?;
+        let (candidates, all) = fit_all(geometry, request, proposals, cx);
         result.fitted += candidates.len();
         take_best(body, &bones, candidates, request, &mut chosen, &mut result);
         result.fit_seconds += started.elapsed().as_secs_f64();
+        if all.is_err() {
+            return stopped(request, result);
+        }
     }
     let found = result.people.len();
     if found < request.people {
@@ -140,6 +162,19 @@ pub fn populate(
             request.people, result.fitted
         ));
     }
+    Ok(result)
+}
+
+/// The result of a job that was cancelled.
+fn stopped(request: &PopulateRequest, mut result: Populated) -> Result<Populated, Stop> {
+    if request.on_cancel == OnCancel::Drop || result.people.is_empty() {
+        return Err(Stop::Cancelled);
+    }
+    result.shortfall = Some(format!(
+        "{} of {} people: stopped before the rest was there",
+        result.people.len(),
+        request.people
+    ));
     Ok(result)
 }
 
@@ -159,21 +194,24 @@ fn propose(
     search(room, geometry, Body::bundled(), &wanted, seed, cx.ticker())
 }
 
-fn entry_of_existing(body: &Body, bones: &[BoneSphere], person: &Person) -> Entry {
+pub(super) fn entry_of_existing(body: &Body, bones: &[BoneSphere], person: &Person) -> Entry {
     let mut workspace = Workspace::default();
     body.forward_joints(&person.body, &mut workspace);
     let occupied = Occupied::new(bones, workspace.joints());
     Entry { family: person.family, support: None, occupied, cost: 0.0 }
 }
 
-/// Fits and measures every proposal on all threads; results keep the proposals' order.
+/// Fits and measures every proposal on all threads; results keep the proposals' order. After a cancel those that
+/// were done, and that it was cancelled.
 fn fit_all(
     geometry: &RoomGeometry,
     request: &PopulateRequest,
     proposals: Vec<Proposal>,
     cx: &JobCtx<PopulatePreview>,
-) -> Result<Vec<Candidate>, Cancelled> {
-    cx.stage("fitting people", proposals.len())?;
+) -> (Vec<Candidate>, Result<(), Cancelled>) {
+    if let Err(cancelled) = cx.stage("fitting people", proposals.len()) {
+        return (Vec::new(), Err(cancelled));
+    }
     let fitter = Fitter::new(Body::bundled());
     let shown: Mutex<BTreeMap<usize, Person>> = Mutex::default();
     let fit_one = |(index, proposal): (usize, Proposal)| {
@@ -200,11 +238,14 @@ fn fit_all(
         let seconds = started.elapsed().as_secs_f64();
         Ok(Candidate { proposal, params: fitted.params, report, trace: fitted.trace, seconds })
     };
-    proposals.into_par_iter().enumerate().map(fit_one).collect()
+    let fitted: Vec<Result<Candidate, Cancelled>> =
+        proposals.into_par_iter().enumerate().map(fit_one).collect();
+    let all = if fitted.iter().all(Result::is_ok) { Ok(()) } else { Err(Cancelled) };
+    (fitted.into_iter().flatten().collect(), all)
 }
 
 /// Moves the best candidates that fit together into the result, until enough are there or none is left.
-fn take_best(
+pub(super) fn take_best(
     body: &Body,
     bones: &[BoneSphere],
     candidates: Vec<Candidate>,
@@ -223,6 +264,7 @@ fn take_best(
         let site = Site { body: id, frame: None };
         result.people.push(PopulatedPerson {
             person: person(&candidate.proposal, candidate.params, id),
+            proposed: candidate.proposal.params,
             findings: Limits::default().findings(site, &candidate.report.metrics),
             report: candidate.report,
             trace: candidate.trace,

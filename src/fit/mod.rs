@@ -16,8 +16,9 @@ mod terms;
 mod tests;
 
 pub use config::{FitConfig, FitPreset, Objective, PsiWeights, Weights};
-pub use energy::{TERMS, Term};
+pub use energy::{Energy, TERMS, Term};
 pub use fitter::{Fitted, Fitter, Trace};
 pub use goals::{ContactGoal, contact_goals};
 pub use probe::{BoneSphere, Limb, bone_spheres};
 pub use surroundings::Surroundings;
+pub use terms::{Distances, psi_collision, psi_contact};

@@ -1,9 +1,11 @@
-//! Proposals of people for a room: what a camera sees of it ([`sensor`]), and affordance search over support
+//! Proposals of people for a room: what a camera sees of it ([`sensor`]), the networks that learned from such
+//! pictures ([`learned`]), and affordance search over support
 //! surfaces, heights, clearance and facing.
 //!
 //! May not name `fit` or `motion`, nor move vertices by gradient: what comes out is ranked starts for the
 //! fitter. Deterministic for a given seed, whatever the number of threads.
 
+pub mod learned;
 pub mod sensor;
 
 mod cells;

@@ -107,12 +107,14 @@ struct Shared {
 #[derive(Clone)]
 pub struct Ticker {
     shared: Arc<Shared>,
+    /// Whether stages and steps are shown; a cancel is noticed in any case.
+    shown: bool,
 }
 
 impl Ticker {
     fn new(wake: Box<dyn Fn() + Send + Sync>) -> Self {
         let progress = Mutex::new(("starting", 0, 0, Instant::now()));
-        Self { shared: Arc::new(Shared { cancel: AtomicBool::new(false), progress, wake }) }
+        Self { shared: Arc::new(Shared { cancel: AtomicBool::new(false), progress, wake }), shown: true }
     }
 
     /// A ticker that nobody watches, for tests and for library callers.
@@ -120,13 +122,22 @@ impl Ticker {
         Self::new(Box::new(|| ()))
     }
 
+    /// The same job's ticker for a part of it that runs beside other parts: a cancel is noticed, progress is not
+    /// shown.
+    #[must_use]
+    pub fn without_progress(&self) -> Self {
+        Self { shared: self.shared.clone(), shown: false }
+    }
+
     /// Begins a named stage of `total` units.
     ///
     /// # Errors
     /// [`Cancelled`] once the user cancelled.
     pub fn stage(&self, name: &'static str, total: usize) -> Result<(), Cancelled> {
-        *lock(&self.shared.progress) = (name, 0, total, Instant::now());
-        self.wake();
+        if self.shown {
+            *lock(&self.shared.progress) = (name, 0, total, Instant::now());
+            self.wake();
+        }
         self.check()
     }
 
@@ -135,12 +146,13 @@ impl Ticker {
     /// # Errors
     /// [`Cancelled`] once the user cancelled.
     pub fn step(&self, done: usize, total: usize) -> Result<(), Cancelled> {
-        {
+        if self.shown {
             let mut progress = lock(&self.shared.progress);
             progress.1 = done;
             progress.2 = total;
+            drop(progress);
+            self.wake();
         }
-        self.wake();
         self.check()
     }
 
@@ -149,8 +161,10 @@ impl Ticker {
     /// # Errors
     /// [`Cancelled`] once the user cancelled.
     pub fn advance(&self) -> Result<(), Cancelled> {
-        lock(&self.shared.progress).1 += 1;
-        self.wake();
+        if self.shown {
+            lock(&self.shared.progress).1 += 1;
+            self.wake();
+        }
         self.check()
     }
 
@@ -183,23 +197,30 @@ pub struct JobCtx<P = ()> {
     /// Root of this job's seed tree.
     pub seed: Seed,
     ticker: Ticker,
-    preview: Arc<Mutex<Option<P>>>,
+    show: Arc<dyn Fn(P) + Send + Sync>,
 }
 
-impl<P> JobCtx<P> {
+impl<P: 'static> JobCtx<P> {
     /// A context without a window: nobody reads the previews.
     pub fn headless(seed: Seed) -> Self {
-        Self { seed, ticker: Ticker::silent(), preview: Arc::default() }
+        Self::watched(seed, Ticker::silent())
     }
 
     /// A headless context whose progress is shown through `ticker` and can be cancelled by it.
     pub fn watched(seed: Seed, ticker: Ticker) -> Self {
-        Self { seed, ticker, preview: Arc::default() }
+        Self { seed, ticker, show: Arc::new(|_| ()) }
+    }
+
+    /// A context for a part of this job whose previews are of another type: `map` turns them into this job's.
+    pub fn mapped<Q: 'static>(&self, map: impl Fn(Q) -> P + Send + Sync + 'static) -> JobCtx<Q> {
+        let show = self.show.clone();
+        let show = Arc::new(move |value: Q| show(map(value)));
+        JobCtx { seed: self.seed, ticker: self.ticker.clone(), show }
     }
 
     /// Overwrites the preview; the window shows the newest only, none are queued.
     pub fn preview(&self, value: P) {
-        *lock(&self.preview) = Some(value);
+        (self.show)(value);
         self.ticker.wake();
     }
 
@@ -237,8 +258,11 @@ impl<T: Send + 'static, P: Send + 'static> Job<T, P> {
     ) -> Self {
         let name = name.into();
         let ticker = Ticker::new(Box::new(wake));
-        let cx = JobCtx { seed, ticker: ticker.clone(), preview: Arc::default() };
-        let (preview, outcome) = (cx.preview.clone(), Arc::new(Mutex::new(None)));
+        let preview = Arc::new(Mutex::new(None));
+        let newest = preview.clone();
+        let show = Arc::new(move |value: P| *lock(&newest) = Some(value));
+        let cx = JobCtx { seed, ticker: ticker.clone(), show };
+        let outcome = Arc::new(Mutex::new(None));
         let slot = outcome.clone();
         let run = move || {
             let ended = run_caught(|| work(&cx));
@@ -324,6 +348,17 @@ mod tests {
         assert_eq!(job.take_preview(), Some(99));
         assert_eq!(job.take_preview(), None);
         assert_eq!(job.progress().done, 99);
+    }
+
+    #[test]
+    fn a_part_of_a_job_shows_its_own_previews_as_those_of_the_job() {
+        let work = |cx: &JobCtx<String>| {
+            cx.mapped(|number: u32| format!("{number} done")).preview(3);
+            Ok(())
+        };
+        let mut job = Job::spawn("parts", Seed::root(1), || (), work);
+        assert!(matches!(wait(&mut job), Outcome::Done(())));
+        assert_eq!(job.take_preview().as_deref(), Some("3 done"));
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use glam::{Mat3, Vec3};
 
-use crate::body::{BodyModel, BodyPose, POSE_TREE, SkinMoments};
 use crate::body::joints::{BODY_JOINTS, PARENTS};
+use crate::body::{BodyModel, BodyPose, POSE_TREE, SkinMoments};
 use crate::math::rotation;
 
 /// Numbers of a decoded pose.

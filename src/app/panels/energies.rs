@@ -4,6 +4,7 @@ use egui::Ui;
 use egui_plot::{Legend, Line, Plot, PlotPoints};
 
 use super::empty;
+use crate::app::engine::Energies;
 use crate::app::state::EditorState;
 
 /// Below this an energy is drawn as this: the plot's height is its logarithm.
@@ -20,13 +21,18 @@ pub fn energies(ui: &mut Ui, state: &mut EditorState) {
         empty(ui, "This person was not fitted in this session, so there are no energies to plot.");
         return;
     };
-    let plot = Plot::new("energies")
+    curves(ui, "energies", &energies);
+}
+
+/// Each term over the iterations, filling what room there is.
+pub fn curves(ui: &mut Ui, id: &str, energies: &Energies) {
+    let plot = Plot::new(id)
         .legend(Legend::default())
         .allow_scroll(false)
         .x_axis_label("iteration")
         .y_axis_label("log10 of energy");
     plot.show(ui, |plot| {
-        for (name, values) in energies.iter() {
+        for (name, values) in energies {
             let points = values.iter().enumerate().map(|(i, v)| [i as f64, f64::from(v.max(FLOOR).log10())]);
             plot.line(Line::new(name, PlotPoints::from_iter(points)).width(1.6));
         }

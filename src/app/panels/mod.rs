@@ -7,13 +7,19 @@ mod findings;
 mod inspector;
 mod jobs;
 mod menu;
+mod networks;
+mod new_room;
 mod outliner;
 mod overlays;
 mod people;
+mod photo;
 mod populate;
+mod sample;
+mod sheet;
 mod status;
 mod toasts;
 mod welcome;
+mod why;
 
 pub use drop_hint::drop_hint;
 pub use energies::energies;
@@ -24,10 +30,14 @@ pub use menu::menu_bar;
 pub use outliner::outliner;
 pub use overlays::{overlays, with_project_extension};
 pub use people::people;
+pub use photo::photo;
 pub use populate::populate;
+pub use sample::sample;
+pub use sheet::sheet;
 pub use status::{RenderStatus, status_bar};
 pub use toasts::toasts;
 pub use welcome::welcome;
+pub use why::why;
 
 use egui::{Response, RichText, Ui};
 

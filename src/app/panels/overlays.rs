@@ -1,6 +1,6 @@
 //! What lies over the window: palette, help, paths, import report, history, notifications.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use egui::{Align2, Context, Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui, Window};
 
@@ -22,11 +22,17 @@ pub fn overlays(ctx: &Context, state: &mut EditorState) {
         Overlay::Help => window(ctx, state, "Help", 520.0, |ui, _| help(ui)),
         Overlay::OpenPath(text) => open_path(ctx, state, text),
         Overlay::SavePath(text) => save_path(ctx, state, text),
+        Overlay::ExportPath(text) => export_path(ctx, state, text),
         Overlay::Import => window(ctx, state, "Import report", 460.0, import_report),
         Overlay::History => window(ctx, state, "History", 300.0, history),
         Overlay::Notifications => window(ctx, state, "Notifications", 460.0, notifications),
         Overlay::Rename(item, text) => rename(ctx, state, item, text),
+        Overlay::Recover(path) => recover(ctx, state, &path),
         Overlay::Unsaved(leaving) => unsaved(ctx, state, &leaving),
+        Overlay::NewRoom => window(ctx, state, "New room", 520.0, super::new_room::new_room),
+        Overlay::Networks(number) => window(ctx, state, "Networks", 620.0, |ui, state| {
+            super::networks::networks(ui, state, number);
+        }),
     }
 }
 
@@ -156,6 +162,7 @@ const MOUSE: &[(&str, &str)] = &[
     ("Zoom to the cursor", "Wheel"),
     ("Zoom", "Alt + right drag"),
     ("Look around and fly", "Right drag with W A S D, Q E; Shift fast, Ctrl slow, wheel: speed"),
+    ("Move or turn the selection", "G or R, then X, Y, Z, a number; click or Enter keeps it"),
     ("Select, add or remove", "Click, Shift + click"),
     ("Select several", "Drag on empty ground"),
     ("Frame what is under the cursor", "Double click"),
@@ -171,6 +178,10 @@ fn help(ui: &mut Ui) {
         (
             "Put people in",
             "Press Populate, or choose 'Put somebody here' and click a seat, a bed or the floor. While it runs you see them settle; Cancel stops at once and changes nothing.",
+        ),
+        (
+            "Sample from a view",
+            "Turn the view to a corner of the room, open the Sample panel and press Sample: candidates come up below, the best first. Click one to see it in the view, double click to accept it; it is fitted as you watch. 'Why like this' shows what the sampler saw and what the fit changed.",
         ),
         (
             "Look closer",
@@ -237,6 +248,25 @@ fn save_path(ctx: &Context, state: &mut EditorState, mut text: String) {
     }
 }
 
+fn export_path(ctx: &Context, state: &mut EditorState, mut text: String) {
+    let mut chosen = false;
+    let response = Modal::new(Id::unique("export path")).show(ctx, |ui| {
+        ui.set_width(480.0_f32.min(ctx.content_rect().width() - 60.0));
+        ui.heading("Export room and people");
+        let (entered, pressed) = path_field(ui, &mut text, "Path of a folder; it is made if it is missing", "Export");
+        chosen = entered || pressed;
+        ui.weak("room.glb and people/000.glb and so on, in one frame: metres, Y up. Files of these names are replaced.");
+    });
+    if chosen && !text.trim().is_empty() {
+        state.overlay = Overlay::None;
+        state.start_exporting(PathBuf::from(text.trim()));
+    } else if response.should_close() {
+        state.overlay = Overlay::None;
+    } else {
+        state.overlay = Overlay::ExportPath(text);
+    }
+}
+
 /// The path with `.inhabit` if it has no project's extension.
 pub fn with_project_extension(path: PathBuf) -> PathBuf {
     if crate::app::jobs::is_project_file(&path) {
@@ -276,6 +306,28 @@ fn rename(ctx: &Context, state: &mut EditorState, item: Item, mut text: String) 
         state.overlay = Overlay::None;
     } else {
         state.overlay = Overlay::Rename(item, text);
+    }
+}
+
+fn recover(ctx: &Context, state: &mut EditorState, path: &Path) {
+    let response = Modal::new(Id::unique("recover")).show(ctx, |ui| {
+        ui.set_width(380.0);
+        ui.heading("The last session did not end on purpose");
+        ui.label("Its people were kept. They come back as they were a minute before; save them under a name of yours.");
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button("Recover").clicked() {
+                state.overlay = Overlay::None;
+                state.open_now(Source::File(path.to_path_buf(), ImportChoice::default()));
+            }
+            if ui.button("Not needed").clicked() {
+                state.overlay = Overlay::None;
+                crate::document::remove_leftover(path);
+            }
+        });
+    });
+    if response.should_close() {
+        state.overlay = Overlay::None;
     }
 }
 

@@ -17,6 +17,10 @@ pub fn populate(ui: &mut Ui, state: &mut EditorState) {
         buttons(ui, state);
         title(ui, "What they do");
         families(ui, state);
+        title(ui, "By hand");
+        ui.checkbox(&mut state.populate.settle, "Settle after moving").on_hover_text(
+            "People whom you move (G) or turn (R) are fitted to where they are then. T does it at any time.",
+        );
     });
 }
 

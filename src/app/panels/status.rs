@@ -17,7 +17,11 @@ pub struct RenderStatus {
 /// Draws the bar.
 pub fn status_bar(ui: &mut Ui, state: &mut EditorState, render: &RenderStatus) {
     ui.horizontal(|ui| {
-        ui.label(RichText::new(hint(state)).small());
+        let text = state
+            .transform
+            .as_ref()
+            .map_or_else(|| hint(state).to_owned(), super::super::transform::Transform::text);
+        ui.label(RichText::new(text).small());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             facts(ui, state, render);
             if let Some(row) = state.jobs.rows().into_iter().next() {
@@ -60,7 +64,7 @@ fn hint(state: &EditorState) -> &'static str {
             "Click: select   Middle drag: turn   Shift+middle: move   Wheel: zoom   Right drag: look, WASD: fly   F1: help"
         }
         Tool::Select => {
-            "F: frame   X: remove   H: hide   L: lock   F9: re-roll   M: heat map   Tab: next person"
+            "G: move   R: turn   T: settle   F: frame   X: remove   L: lock   F9: re-roll   M: heat map   Shift+W: why like this"
         }
     }
 }

@@ -41,8 +41,7 @@ enum Stand {
 
 /// Stands free.
 pub(super) fn stand(figure: &mut Figure, rng: &mut impl Chance) -> [HandShape; 2] {
-    let way =
-        rng.pick(&[(0.25, Stand::Even), (0.4, Stand::OneLeg), (0.25, Stand::Step), (0.1, Stand::Wide)]);
+    let way = rng.pick(&[(0.25, Stand::Even), (0.4, Stand::OneLeg), (0.25, Stand::Step), (0.1, Stand::Wide)]);
     let eased = match way {
         Stand::OneLeg => rng.between(0.4, 1.1),
         Stand::Step => rng.between(0.1, 0.5),

@@ -3,6 +3,7 @@
 pub mod curve;
 mod hand_space;
 mod pose_prior;
+mod psi;
 
 use clap::Subcommand;
 
@@ -15,6 +16,8 @@ pub enum Train {
     PosePrior(pose_prior::Arguments),
     /// The Gaussian over hand poses, from motion clips and the program's own hands.
     HandSpace(hand_space::Arguments),
+    /// The networks that put people into what a camera sees: S1, S2 and the baseline.
+    Psi(psi::Arguments),
 }
 
 /// Runs the command.
@@ -25,5 +28,6 @@ pub fn run(subject: &Train) -> anyhow::Result<Ended> {
     match subject {
         Train::PosePrior(arguments) => pose_prior::run(arguments),
         Train::HandSpace(arguments) => hand_space::run(arguments),
+        Train::Psi(arguments) => psi::run(arguments),
     }
 }

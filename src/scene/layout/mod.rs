@@ -7,6 +7,8 @@
 mod mesh;
 mod pieces;
 mod place;
+mod procedural;
+mod seats;
 mod shell;
 mod soft;
 mod surface;
@@ -19,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::assets::Model;
 pub use pieces::{Art, Item};
+pub use procedural::{RoomType, procedural_layout};
 
 /// A colour as people give it: red, green and blue from 0 to 255, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -296,4 +299,22 @@ pub fn compose(layout: &Layout, furniture: &Furniture<'_>) -> Result<Model, Layo
     shell.build(layout, &mut model)?;
     place::furnish(layout, &shell, furniture, &mut model)?;
     Ok(model.finish())
+}
+
+/// The bundled model of a file name: the furniture of [`compose`] for procedural rooms and for the samples' layouts.
+///
+/// # Errors
+/// When no such model comes with the program.
+pub fn bundled_furniture(file: &str) -> Result<Model, String> {
+    let found = crate::assets::furniture_model(file);
+    let model = found.ok_or_else(|| "no such model comes with the program".to_owned())?;
+    model.map_err(|error| error.to_string())
+}
+
+/// A new furnished room of a kind: [`procedural_layout`] composed with the bundled furniture.
+///
+/// # Errors
+/// None is known; a layout that doesn't compose is a mistake of the rules and says what is wrong.
+pub fn new_room(kind: RoomType, seed: u64) -> Result<Model, LayoutError> {
+    compose(&procedural_layout(kind, seed), &bundled_furniture)
 }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::assets::{Material, Mesh};
 
 use super::mesh::{Build, Surface, block, lathe, paint};
+use super::seats;
 use super::soft::{curtain, cushion};
 use super::surface::painting;
 use super::{LayoutError, Srgb};
@@ -112,6 +113,57 @@ pub enum Item {
     Keyboard,
     /// A stack of books of these colours, the lowest first.
     Books(Vec<Srgb>),
+    /// A sofa, or an armchair when it has one seat; its back is at -z.
+    Sofa {
+        /// Its size, to the top of the back.
+        size: (f32, f32, f32),
+        /// Height of the seat.
+        seat_m: f32,
+        /// Number of seat cushions.
+        seats: u8,
+        /// Width of each armrest; 0 for none.
+        arm_m: f32,
+        /// Colour of the fabric.
+        fabric: Srgb,
+        /// Colour of the feet.
+        wood: Srgb,
+    },
+    /// A bed; its head is at -z.
+    Bed {
+        /// Its size, to the top of the mattress.
+        size: (f32, f32, f32),
+        /// Height of the headboard.
+        headboard_m: f32,
+        /// Colour of the cover.
+        cover: Srgb,
+        /// Colour of the frame.
+        wood: Srgb,
+    },
+    /// A pouf.
+    Pouf {
+        /// Its size.
+        size: (f32, f32, f32),
+        /// Its colour.
+        fabric: Srgb,
+    },
+    /// A padded bench without a back.
+    Bench {
+        /// Its size.
+        size: (f32, f32, f32),
+        /// Colour of the pad.
+        fabric: Srgb,
+        /// Colour of the legs.
+        wood: Srgb,
+    },
+    /// An open shelf; its back is at -z.
+    Shelf {
+        /// Its size.
+        size: (f32, f32, f32),
+        /// Number of boards, lowest and top one with them.
+        boards: u8,
+        /// Its colour.
+        color: Srgb,
+    },
 }
 
 /// What a picture shows.
@@ -149,6 +201,15 @@ impl Item {
             Self::Laptop => laptop(),
             Self::Keyboard => keyboard(),
             Self::Books(colors) => books(colors),
+            Self::Sofa { size, seat_m, seats, arm_m, fabric, wood } => {
+                seats::sofa(Vec3::from(*size), *seat_m, *seats, *arm_m, *fabric, *wood)
+            }
+            Self::Bed { size, headboard_m, cover, wood } => {
+                seats::bed(Vec3::from(*size), *headboard_m, *cover, *wood)
+            }
+            Self::Pouf { size, fabric } => seats::pouf(Vec3::from(*size), *fabric),
+            Self::Bench { size, fabric, wood } => seats::bench(Vec3::from(*size), *fabric, *wood),
+            Self::Shelf { size, boards, color } => seats::shelf(Vec3::from(*size), *boards, *color),
         })
     }
 }

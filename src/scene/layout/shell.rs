@@ -212,6 +212,13 @@ impl Shell {
         edges().map(|(a, b)| distance(point, a, b)).fold(f32::INFINITY, f32::min)
     }
 
+    /// The point in plan (x, z) this far before a wall.
+    #[cfg(test)]
+    pub fn before_wall(&self, wall: usize, along_m: f32, out_m: f32) -> Vec2 {
+        let p = self.walls[wall].world_from_wall.transform_point3(Vec3::new(along_m, 0.0, out_m));
+        Vec2::new(p.x, p.z)
+    }
+
     /// From floor to ceiling.
     pub fn height_m(&self) -> f32 {
         self.height

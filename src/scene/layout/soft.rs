@@ -102,3 +102,51 @@ fn hem(mesh: &mut Mesh, front: &[Vec2], height: f32, thick: f32) {
     mesh.quad([at(0, 0.0, thick), at(0, 0.0, 0.0), at(0, height, 0.0), at(0, height, thick)]);
     mesh.quad([at(last, 0.0, 0.0), at(last, 0.0, thick), at(last, height, thick), at(last, height, 0.0)]);
 }
+
+/// A closed box of `size` with edges rounded by `radius_m`, smooth, on the middle of its underside: cushions of
+/// sofas, mattresses, poufs.
+pub fn soft_block(size: Vec3, radius_m: f32) -> Mesh {
+    let half = size * 0.5;
+    let radius = radius_m.min(half.min_element() * 0.98);
+    let inner = half - radius;
+    // Marks along each axis: evenly spread angles of the quarter bends, projected to the faces of the box.
+    let marks = |axis: usize| -> Vec<f32> {
+        let bend = BENDS.map(|tangent| inner[axis] + radius * (1.0 - tangent));
+        bend.iter().rev().map(|m| -m).chain(bend).collect()
+    };
+    let mut mesh = Mesh::default();
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (us, vs) = (marks(u), marks(v));
+        for side in [1.0, -1.0] {
+            let base = mesh.positions.len() as u32;
+            for a in &us {
+                for b in &vs {
+                    let mut on_box = Vec3::ZERO;
+                    (on_box[axis], on_box[u], on_box[v]) = (half[axis] * side, *a, *b);
+                    let core = on_box.clamp(-inner, inner);
+                    let normal = (on_box - core).normalize_or(Vec3::Y);
+                    mesh.positions.push(core + normal * radius + Vec3::Y * half.y);
+                    mesh.normals.push(normal);
+                }
+            }
+            grid(&mut mesh, base, us.len() as u32, vs.len() as u32, side > 0.0);
+        }
+    }
+    mesh
+}
+
+/// How far the marks of a quarter bend lie from its outer end, in radii: 1 - tan of 45, 22.5 and 0 degrees.
+const BENDS: [f32; 3] = [1.0, 0.585_786_4, 0.0];
+
+/// Fills a grid of vertices, rows of `columns`, with triangles.
+fn grid(mesh: &mut Mesh, base: u32, rows: u32, columns: u32, forward: bool) {
+    for i in 0..rows - 1 {
+        for j in 0..columns - 1 {
+            let [a, b, c, d] =
+                [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| base + i * columns + j);
+            let both = if forward { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
+            mesh.triangles.extend(both);
+        }
+    }
+}

@@ -1,8 +1,9 @@
-//! People as files: posed, skinned, in their painted clothes.
+//! People for other programs: posed, skinned, in their painted clothes, as the bytes of a GLB.
 
-use crate::assets;
+use super::dress::{BodySurface, Outfit, SurfacePart};
+use super::light::srgb_from_linear;
+use crate::assets::{self, GlbWriteError};
 use crate::body::{self, Body};
-use crate::render::{BodySurface, Outfit, SurfacePart, srgb_from_linear};
 use crate::scene::Person;
 
 /// Width over which colours blend at a seam: less than the mesh's own spacing, so every vertex has one colour.
@@ -12,10 +13,10 @@ const SEAM_M: f32 = 1e-3;
 ///
 /// # Errors
 /// When the body can't be written, which would be a bug.
-pub fn person_glb(person: &Person, surface: &BodySurface) -> anyhow::Result<Vec<u8>> {
+pub fn person_glb(person: &Person, surface: &BodySurface) -> Result<Vec<u8>, GlbWriteError> {
     let colors = colors(surface, person.palette);
     let skinned = body::skinned_mesh(Body::bundled(), &person.name, &person.body, colors);
-    Ok(assets::glb_from_skinned(&skinned)?)
+    assets::glb_from_skinned(&skinned)
 }
 
 /// sRGB colour of every vertex in the clothes that `palette` chooses.
