@@ -6,16 +6,15 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use clap::Args;
 
-use super::curve::{csv, curve_png};
 use super::super::clips::read_clips;
 use super::super::progress::run_job;
 use super::super::{Common, Ended, use_threads};
+use super::curve::{csv, curve_png};
 use crate::assets::{PoseClip, Precision, Weights};
 use crate::body::Body;
 use crate::job::{JobCtx, Seed, Stop};
 use crate::learn::{
-    PoseCorpus, PoseCorpusConfig, PosePriorConfig, SHIPPED_PRECISION, TrainedPosePrior,
-    train_pose_prior,
+    PoseCorpus, PoseCorpusConfig, PosePriorConfig, SHIPPED_PRECISION, TrainedPosePrior, train_pose_prior,
 };
 
 /// Arguments of `train pose-prior`.
