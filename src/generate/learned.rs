@@ -15,6 +15,8 @@ use crate::scene::{BodyParams, POSE};
 const BUNDLED: &[(LearnedMethod, &[u8])] = &[
     (S1, include_bytes!("../../assets/networks/s1.safetensors")),
     (S1_HS, include_bytes!("../../assets/networks/s1_hs.safetensors")),
+    (S2, include_bytes!("../../assets/networks/s2.safetensors")),
+    (BASELINE, include_bytes!("../../assets/networks/baseline.safetensors")),
 ];
 
 const S1: LearnedMethod = LearnedMethod { network: PsiMethod::S1, scene_loss: false };
