@@ -25,7 +25,7 @@ pub fn sheet(ui: &mut Ui, state: &mut EditorState) {
         return;
     }
     heading(ui, state);
-    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
             for number in 0..state.sheet.cards.len() {
