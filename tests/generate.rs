@@ -63,7 +63,12 @@ fn a_cancel_keeps_who_is_there_where_that_is_asked_for_and_drops_them_elsewhere(
         populate(&room, &geometry, &request, &cx)
     };
     let kept = cancelled_after_eight_fits(OnCancel::KeepBest).expect("people");
-    assert!((1..=5).contains(&kept.people.len()) && kept.fitted < 14, "{} of {}", kept.people.len(), kept.fitted);
+    assert!(
+        (1..=5).contains(&kept.people.len()) && kept.fitted < 14,
+        "{} of {}",
+        kept.people.len(),
+        kept.fitted
+    );
     assert!(kept.people.iter().all(|p| p.findings.is_empty()));
     assert!(matches!(cancelled_after_eight_fits(OnCancel::Drop), Err(Stop::Cancelled)));
 }

@@ -103,8 +103,7 @@ pub struct Seen {
 impl Seen {
     /// With pictures of it.
     pub fn new(image: SceneImage) -> Self {
-        let padding = egui::Color32::TRANSPARENT;
-        let (depth, labels) = (Shown::of_depth(&image, padding), Shown::of_labels(&image, padding));
+        let (depth, labels) = (Shown::of_depth(&image), Shown::of_labels(&image));
         Self { image, depth, labels }
     }
 }

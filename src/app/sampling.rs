@@ -61,6 +61,8 @@ const PROPOSALS_PER_CANDIDATE: usize = 3;
 const ROUNDS: u64 = 4;
 /// Side of a candidate's picture in pixels.
 const PORTRAIT: u32 = 128;
+/// Report pictures leave air around a body; a small one has to fill its frame.
+const CLOSER: f32 = 0.85;
 /// What lies farther from a person than this is left out of the picture, metres.
 const NEAR_M: f32 = 1.5;
 
@@ -307,6 +309,7 @@ pub fn portrait(
         room.objects.iter().filter(|object| meets(&object.world_bounds(), &around)).cloned().collect();
     let near = Room { objects, ..room.clone() };
     let camera = person_views(&vertices, &geometry.bvh, 1, 1.0).into_iter().next().unwrap_or_default();
+    let camera = Camera { fov_y: camera.fov_y * CLOSER, ..camera };
     let mut draw = SceneDraw::of_room(&Scene { room: Arc::new(near), people: Vec::new() });
     draw.body = Some(surface.clone());
     draw.people = vec![PersonDraw::new(person.id, vertices.into(), person.palette)];

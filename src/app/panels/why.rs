@@ -102,10 +102,11 @@ pub fn images(ui: &mut Ui, seen: &Seen) {
         ui.spacing_mut().item_spacing.x = 8.0;
         let both = [(&seen.depth, "Depth: how far away things are"), (&seen.labels, "Kinds of things")];
         for (picture, name) in both {
-            let response = picture.show(ui, vec2(side, side), Sense::hover(), name);
+            let size = |width: f32| vec2(width, width / picture.aspect().clamp(0.25, 4.0));
+            let response = picture.show(ui, size(side), Sense::hover(), name);
             response.on_hover_ui(|ui| {
-                ui.label(name);
-                picture.show(ui, vec2(384.0, 384.0), Sense::hover(), name);
+                ui.label(format!("{name}. The networks get it as 128 x 128 pixels."));
+                picture.show(ui, size(384.0), Sense::hover(), name);
             });
         }
     });
