@@ -19,6 +19,7 @@ mod pose_space;
 mod posed;
 mod regions;
 mod retarget;
+mod skin_moments;
 mod subset;
 mod workspace;
 
@@ -34,5 +35,6 @@ pub use pose_space::{BodyPose, PoseSpace, PoseTape};
 pub use posed::{Body, Posed, pose_prior_file};
 pub use regions::{ContactRegions, Region};
 pub use retarget::{RetargetError, retarget};
+pub use skin_moments::{POSE_TREE, PoseFigure, SkinMoments, carrier, vertex_areas};
 pub use subset::VertexSubset;
 pub use workspace::{Gradients, Workspace};

@@ -73,7 +73,7 @@ impl Body {
                 .and_then(|npz| BodyModel::from_npz(&npz))
                 .expect("the bundled body is sound");
             let poses = Weights::from_bytes("bundled pose prior", POSE_PRIOR)
-                .and_then(|weights| PoseDecoder::new(&weights, &model.joint_template))
+                .and_then(|weights| PoseDecoder::new(&weights, &model))
                 .expect("the bundled pose prior is sound");
             let hands = HandSpace::from_ron(HAND_SPACE).expect("the bundled hand space is sound");
             Self::new(model, Box::new(poses), hands)

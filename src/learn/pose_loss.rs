@@ -2,13 +2,10 @@
 
 use glam::{Mat3, Vec3};
 
-use crate::body::BodyModel;
-use crate::body::BodyPose;
 use crate::body::joints::{BODY_JOINTS, PARENTS};
+use crate::body::{BodyModel, BodyPose, POSE_TREE, SkinMoments};
 use crate::math::rotation;
 
-/// The pelvis and the body joints.
-const TREE: usize = BODY_JOINTS + 1;
 /// Numbers of a decoded pose.
 const SIXES: usize = 6 * BODY_JOINTS;
 
@@ -43,46 +40,15 @@ impl PoseLossTerms {
     }
 }
 
-/// Positions of skin and joints as the poses move them.
-///
-/// Skin is taken as moved rigidly by the joint that moves it most. Then the squared displacement of all of it is a
-/// quadratic form of each joint's rotation and position with the skin's moments of order 0 to 2, so that every vertex
-/// of the body is counted (by its area) at the price of one point a joint.
+/// Positions of skin and joints as the poses move them: see [`SkinMoments`].
 pub struct PoseLoss {
-    rest: [Vec3; TREE],
-    mass: [f32; TREE],
-    first: [Vec3; TREE],
-    second: [Mat3; TREE],
-}
-
-/// A pose as rotations and positions, pelvis unturned at its rest position.
-struct Figure {
-    local: [Mat3; TREE],
-    world: [Mat3; TREE],
-    position: [Vec3; TREE],
+    skin: SkinMoments,
 }
 
 impl PoseLoss {
     /// For the mean shape of a body.
     pub fn new(model: &BodyModel) -> Self {
-        let rest: [Vec3; TREE] = std::array::from_fn(|joint| model.joint_template[joint]);
-        let mut loss =
-            Self { rest, mass: [0.0; TREE], first: [Vec3::ZERO; TREE], second: [Mat3::ZERO; TREE] };
-        let area = vertex_areas(model);
-        let total: f32 = area.iter().sum();
-        for (vertex, area) in area.iter().enumerate() {
-            let joint = body_joint(model.dominant_joint(vertex));
-            // Half for the skin, half for the joints.
-            loss.add(joint, model.template[vertex] - rest[joint], 0.5 * area / total);
-        }
-        (0..TREE).for_each(|joint| loss.add(joint, Vec3::ZERO, 0.5 / TREE as f32));
-        loss
-    }
-
-    fn add(&mut self, joint: usize, offset: Vec3, mass: f32) {
-        self.mass[joint] += mass;
-        self.first[joint] += offset * mass;
-        self.second[joint] += outer(offset, offset) * mass;
+        Self { skin: SkinMoments::new(model) }
     }
 
     /// The terms of one pose, and the gradient of their weighted sum with respect to the 126 decoded numbers.
@@ -93,26 +59,26 @@ impl PoseLoss {
         weights: &PoseLossWeights,
     ) -> (PoseLossTerms, [f32; SIXES]) {
         let own = |joint: usize| -> [f32; 6] { std::array::from_fn(|i| six[6 * (joint - 1) + i]) };
-        let decoded = self.figure(&|joint| rotation::matrix_from_6d(&own(joint)));
-        let wanted = self.figure(&|joint| rotation::matrix_from_axis_angle(target[joint - 1]));
+        let decoded = self.skin.figure(&|joint| rotation::matrix_from_6d(&own(joint)));
+        let wanted = self.skin.figure(&|joint| rotation::matrix_from_axis_angle(target[joint - 1]));
         let mut terms = PoseLossTerms::default();
-        let mut at_world = [Mat3::ZERO; TREE];
-        let mut at_position = [Vec3::ZERO; TREE];
-        for joint in 0..TREE {
+        let mut at_world = [Mat3::ZERO; POSE_TREE];
+        let mut at_position = [Vec3::ZERO; POSE_TREE];
+        for joint in 0..POSE_TREE {
             let turned = decoded.world[joint] - wanted.world[joint];
             let moved = decoded.position[joint] - wanted.position[joint];
-            let (by_second, by_first) = (turned * self.second[joint], turned * self.first[joint]);
+            let (by_second, by_first) = (turned * self.skin.second[joint], turned * self.skin.first[joint]);
             terms.position_m2 += inner(&by_second, &turned)
                 + 2.0 * moved.dot(by_first)
-                + self.mass[joint] * moved.length_squared();
-            at_world[joint] = (by_second + outer(moved, self.first[joint])) * (2.0 * weights.position);
-            at_position[joint] = (by_first + moved * self.mass[joint]) * (2.0 * weights.position);
+                + self.skin.mass[joint] * moved.length_squared();
+            at_world[joint] = (by_second + outer(moved, self.skin.first[joint])) * (2.0 * weights.position);
+            at_position[joint] = (by_first + moved * self.skin.mass[joint]) * (2.0 * weights.position);
         }
         let mut gradient = [0.0; SIXES];
-        for joint in (1..TREE).rev() {
+        for joint in (1..POSE_TREE).rev() {
             let parent = PARENTS[joint];
             at_position[parent] += at_position[joint];
-            at_world[parent] += outer(at_position[joint], self.rest[joint] - self.rest[parent]);
+            at_world[parent] += outer(at_position[joint], self.skin.rest[joint] - self.skin.rest[parent]);
             at_world[parent] += at_world[joint] * decoded.local[joint].transpose();
             let turned = decoded.local[joint] - wanted.local[joint];
             terms.rotation += inner(&turned, &turned);
@@ -130,21 +96,8 @@ impl PoseLoss {
     }
 
     /// Positions of the pelvis and the 21 body joints, metres, pelvis unturned at its rest position.
-    pub fn joints(&self, pose: &dyn Fn(usize) -> Mat3) -> [Vec3; TREE] {
-        self.figure(pose).position
-    }
-
-    fn figure(&self, local: &dyn Fn(usize) -> Mat3) -> Figure {
-        let mut figure =
-            Figure { local: [Mat3::IDENTITY; TREE], world: [Mat3::IDENTITY; TREE], position: self.rest };
-        for joint in 1..TREE {
-            let parent = PARENTS[joint];
-            figure.local[joint] = local(joint);
-            figure.world[joint] = figure.world[parent] * figure.local[joint];
-            figure.position[joint] =
-                figure.position[parent] + figure.world[parent] * (self.rest[joint] - self.rest[parent]);
-        }
-        figure
+    pub fn joints(&self, pose: &dyn Fn(usize) -> Mat3) -> [Vec3; POSE_TREE] {
+        self.skin.figure(pose).position
     }
 }
 
@@ -158,24 +111,6 @@ fn orthogonality(six: &[f32; 6]) -> (f32, [f32; 6]) {
     (departure, [at_a.x, at_b.x, at_a.y, at_b.y, at_a.z, at_b.z])
 }
 
-/// The body joint that carries a joint: fingers are the wrist's, the face is the head's.
-fn body_joint(mut joint: usize) -> usize {
-    while joint >= TREE {
-        joint = PARENTS[joint];
-    }
-    joint
-}
-
-fn vertex_areas(model: &BodyModel) -> Vec<f32> {
-    let mut areas = vec![0.0; model.template.len()];
-    for face in &model.faces {
-        let [a, b, c] = face.map(|i| model.template[i as usize]);
-        let third = (b - a).cross(c - a).length() / 6.0;
-        face.iter().for_each(|i| areas[*i as usize] += third);
-    }
-    areas
-}
-
 fn outer(column: Vec3, row: Vec3) -> Mat3 {
     Mat3::from_cols(column * row.x, column * row.y, column * row.z)
 }
@@ -187,7 +122,7 @@ fn inner(a: &Mat3, b: &Mat3) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::Body;
+    use crate::body::{Body, carrier, vertex_areas};
     use rand::{RngExt as _, SeedableRng as _};
     use rand_chacha::ChaCha8Rng;
 
@@ -235,12 +170,12 @@ mod tests {
         let areas = vertex_areas(model);
         let turn = Mat3::from_rotation_z(0.5);
         let shoulder = model.joint_template[16];
-        let in_arm = |v: usize| matches!(body_joint(model.dominant_joint(v)), 16 | 18 | 20);
+        let in_arm = |v: usize| matches!(carrier(model.dominant_joint(v)), 16 | 18 | 20);
         let moved = |p: Vec3| (turn * (p - shoulder) - (p - shoulder)).length_squared();
         let skin: f32 =
             (0..areas.len()).filter(|v| in_arm(*v)).map(|v| areas[v] * moved(model.template[v])).sum();
         let joints: f32 = [18, 20].map(|j| moved(model.joint_template[j])).iter().sum();
-        let expected = 0.5 * skin / areas.iter().sum::<f32>() + 0.5 * joints / TREE as f32;
+        let expected = 0.5 * skin / areas.iter().sum::<f32>() + 0.5 * joints / POSE_TREE as f32;
         assert!(
             (terms.position_m2 / expected - 1.0).abs() < 1e-2,
             "{} against {expected}",

@@ -26,42 +26,72 @@ struct Stance {
     height_share: f32,
 }
 
-/// Stands free: weight on the left leg (mirrored half of the time), the other knee eased.
+/// How somebody stands free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stand {
+    /// On both legs alike.
+    Even,
+    /// On the left leg (mirrored half of the time), the other knee eased.
+    OneLeg,
+    /// One foot a short step ahead, as people stop.
+    Step,
+    /// Feet wide apart.
+    Wide,
+}
+
+/// Stands free.
 pub(super) fn stand(figure: &mut Figure, rng: &mut impl Chance) -> [HandShape; 2] {
-    let eased = rng.pick(&[(0.35, 0.0), (0.65, 1.0)]) * rng.between(0.4, 1.0);
+    let way = rng.pick(&[(0.25, Stand::Even), (0.4, Stand::OneLeg), (0.25, Stand::Step), (0.1, Stand::Wide)]);
+    let eased = match way {
+        Stand::OneLeg => rng.between(0.4, 1.1),
+        Stand::Step => rng.between(0.1, 0.5),
+        Stand::Even | Stand::Wide => 0.0,
+    };
     let roll = rng.degrees(4.0, 1.5) * eased;
     let torso = Torso {
-        pelvis_back: rng.degrees(1.0, 2.0),
+        pelvis_back: rng.degrees(1.0, 2.5),
         pelvis_roll: roll,
-        flexion: rng.degrees(0.0, 3.0),
-        side_bend: roll * 1.1,
-        twist: rng.degrees(0.0, 4.0),
+        flexion: rng.degrees(1.0, 4.0),
+        side_bend: roll * 1.1 + rng.degrees(0.0, 1.5),
+        twist: rng.degrees(0.0, 7.0),
     };
     torso::bend(figure, &torso, rng);
-    let forward = rng.about(0.03, 0.03);
-    plant(
-        figure,
-        &Stance {
-            outward_m: [rng.between(0.05, 0.1) - 0.03 * eased, rng.between(0.08, 0.13) + 0.04 * eased],
-            forward_m: [-0.02 - 0.3 * forward, -0.02 + forward + 0.07 * eased],
-            toe_out: [rng.degrees(9.0, 4.0), rng.degrees(11.0, 5.0) + 0.25 * eased],
-            height_share: rng.between(0.99, 0.996),
-        },
-    );
-    torso::look(figure, rng.degrees(0.0, 18.0), rng.degrees(2.0, 6.0), rng.degrees(0.0, 3.0));
+    plant(figure, &stance_of(way, eased, rng));
+    torso::look(figure, rng.degrees(0.0, 26.0), rng.degrees(4.0, 9.0), rng.degrees(0.0, 4.0));
+    let below = ArmGoal::Folded { on_top: false };
     let goals = rng.pick(&[
-        (0.34, [ArmGoal::Hang, ArmGoal::Hang]),
+        (0.24, [ArmGoal::Hang, ArmGoal::Hang]),
         (0.1, [ArmGoal::Hang, ArmGoal::Akimbo]),
         (0.06, [ArmGoal::Akimbo, ArmGoal::Akimbo]),
-        (0.12, [ArmGoal::Folded { on_top: true }, ArmGoal::Folded { on_top: false }]),
-        (0.1, [ArmGoal::Pocket, ArmGoal::Pocket]),
+        (0.13, [ArmGoal::Folded { on_top: true }, below]),
+        (0.09, [ArmGoal::Pocket, ArmGoal::Pocket]),
         (0.08, [ArmGoal::Pocket, ArmGoal::Hang]),
-        (0.08, [ArmGoal::ClaspedFront, ArmGoal::ClaspedFront]),
+        (0.07, [ArmGoal::ClaspedFront, ArmGoal::ClaspedFront]),
         (0.05, [ArmGoal::ClaspedBack, ArmGoal::ClaspedBack]),
         (0.07, [ArmGoal::Gesture, ArmGoal::Hang]),
-        (0.05, [ArmGoal::Gesture, ArmGoal::Gesture]),
+        (0.04, [ArmGoal::Gesture, ArmGoal::Pocket]),
+        (0.04, [ArmGoal::Gesture, ArmGoal::Gesture]),
+        (0.03, [ArmGoal::Chin, ArmGoal::Akimbo]),
     ]);
     super::place_arms(figure, goals, rng)
+}
+
+fn stance_of(way: Stand, eased: f32, rng: &mut impl Chance) -> Stance {
+    let (apart, ahead) = match way {
+        Stand::Wide => (rng.between(0.04, 0.08), 0.0),
+        Stand::Step => (0.0, rng.between(0.1, 0.24)),
+        Stand::Even | Stand::OneLeg => (0.0, rng.about(0.03, 0.035)),
+    };
+    Stance {
+        outward_m: [
+            rng.between(0.05, 0.1) - 0.03 * eased + apart,
+            rng.between(0.08, 0.13) + 0.04 * eased + apart,
+        ],
+        // A step is shared: the weight stays between the feet.
+        forward_m: [-0.02 - 0.4 * ahead, -0.02 + 0.6 * ahead + 0.07 * eased],
+        toe_out: [rng.degrees(9.0, 5.0), rng.degrees(12.0, 6.0) + 0.25 * eased],
+        height_share: rng.between(0.988, 0.996),
+    }
 }
 
 /// Leans with the hands on something in front, or with back or hips against something behind.

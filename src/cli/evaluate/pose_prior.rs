@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Ended> {
     let loaded = arguments.weights.as_ref().map(|file| {
         let bytes = fs::read(file).with_context(|| format!("can't read {}", file.display()))?;
         let weights = Weights::from_bytes(&file.display().to_string(), &bytes)?;
-        anyhow::Ok(PoseDecoder::new(&weights, &body.model.joint_template)?)
+        anyhow::Ok(PoseDecoder::new(&weights, &body.model)?)
     });
     let loaded = loaded.transpose()?;
     let prior = loaded.as_ref().map_or(&*body.pose_space, |prior| prior as &dyn PoseSpace);
