@@ -71,9 +71,7 @@ fn fit_curves(ui: &mut Ui, state: &EditorState, person: &Person) {
             ui.label(
                 RichText::new("Each term of the loss over the iterations; lower is better.").small().weak(),
             );
-            ui.allocate_ui(vec2(ui.available_width(), 150.0), |ui| {
-                super::energies::curves(ui, "why curves", &energies);
-            });
+            super::energies::small_curves(ui, "why curves", &energies, 130.0);
         }
         None => {
             ui.weak("No fit of this session belongs to the body as it is now.");
@@ -127,7 +125,8 @@ fn legend(ui: &mut Ui, seen: &Seen) {
     });
 }
 
-fn entry(ui: &mut Ui, color: Color32, text: RichText) -> egui::Response {
+/// A coloured square and what it stands for.
+pub fn entry(ui: &mut Ui, color: Color32, text: RichText) -> egui::Response {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let (rect, _) = ui.allocate_exact_size(vec2(10.0, 12.0), Sense::hover());
