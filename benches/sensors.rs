@@ -12,7 +12,7 @@ use std::time::Instant;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::{Affine3A, Mat4, Vec3};
-use inhabit::assets::{Mesh, glb_from_model};
+use inhabit::assets::{Material, Mesh, glb_from_model};
 use inhabit::generate::sensor::{AgentConfig, Intrinsics, SIDE, Sensor, View, agent_views};
 use inhabit::job::Seed;
 use inhabit::math::Aabb;
@@ -38,7 +38,8 @@ fn main() {
 fn room() -> &'static (Room, RoomGeometry) {
     static ROOM: OnceLock<(Room, RoomGeometry)> = OnceLock::new();
     ROOM.get_or_init(|| {
-        let room = Room { objects: vec![object(test_room::triangles(TRIANGLES))], ..Room::default() };
+        let objects = vec![object(test_room::triangles(TRIANGLES))];
+        let room = Room { objects, materials: vec![Material::default()], ..Room::default() };
         let (owner, triangles): (Vec<_>, Vec<_>) = room.world_triangles().unzip();
         let bounds = Aabb { min: test_room::LOW, max: test_room::HIGH }.grown(0.35);
         let resolution = Resolution::Exactly { dim: [96; 3], bounds };

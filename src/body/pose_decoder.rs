@@ -15,6 +15,8 @@ use super::model::BodyModel;
 use super::pose_space::{BodyPose, PoseSpace, PoseTape};
 use super::skin_moments::{POSE_TREE, PoseFigure, SkinMoments};
 
+const BUNDLED: &[u8] = include_bytes!("../../assets/networks/pose_prior.safetensors");
+
 /// Numbers of a pose as axis-angles.
 const ANGLES: usize = 3 * BODY_JOINTS;
 /// Numbers of a pose as first two columns of rotation matrices.
@@ -71,6 +73,14 @@ impl PoseDecoder {
             lower_root(&(skin.second[j] - outer(skin.first[j], about)))
         });
         Ok(Self { decoder, encoder, skin, middle, root })
+    }
+
+    /// The weights that ship with the program, with their notes.
+    ///
+    /// # Errors
+    /// Never with the embedded file, which a test reads.
+    pub fn bundled_weights() -> Result<Weights, WeightsError> {
+        Weights::from_bytes("bundled pose prior", BUNDLED)
     }
 
     /// The encoder's mean: fast, a few degrees off.

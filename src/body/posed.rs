@@ -3,7 +3,6 @@ use std::sync::OnceLock;
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
-use crate::assets::Weights;
 use crate::assets::npz::Npz;
 use crate::scene::BodyParams;
 
@@ -18,7 +17,6 @@ use super::subset::VertexSubset;
 use super::workspace::Workspace;
 
 const BODY_NPZ: &[u8] = include_bytes!("../../assets/body/body.npz");
-const POSE_PRIOR: &[u8] = include_bytes!("../../assets/networks/pose_prior.safetensors");
 const HAND_SPACE: &str = include_str!("../../assets/body/hand_space.ron");
 
 /// The weight file of the bundled pose prior: its notes tell how it was trained.
@@ -72,7 +70,7 @@ impl Body {
                 .map_err(Into::into)
                 .and_then(|npz| BodyModel::from_npz(&npz))
                 .expect("the bundled body is sound");
-            let poses = Weights::from_bytes("bundled pose prior", POSE_PRIOR)
+            let poses = PoseDecoder::bundled_weights()
                 .and_then(|weights| PoseDecoder::new(&weights, &model))
                 .expect("the bundled pose prior is sound");
             let hands = HandSpace::from_ron(HAND_SPACE).expect("the bundled hand space is sound");

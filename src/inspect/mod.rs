@@ -16,5 +16,5 @@ pub use alignment::{EstimateErrors, Similarity, mean_distance_mm};
 pub use body::{BodyMetrics, BodyReport, CONTACT_M, inspect_body};
 pub use diversity::{Diversity, FEATURES, diversity, entropy_nats};
 pub use finding::{Finding, Limits, Metric, Site};
-pub use representation::{Reconstruction, kl_divergence_nats};
+pub use representation::Reconstruction;
 pub use surface::{BodySolid, surface_samples};

@@ -3,6 +3,7 @@
 
 pub mod corpus;
 pub mod estimation;
+pub mod evaluate_psi;
 pub mod psi;
 pub mod stage;
 

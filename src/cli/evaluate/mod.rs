@@ -1,7 +1,9 @@
 //! `inhabit evaluate`: how good something is, as tables and pictures, one file a subject.
 
+mod charts;
 mod estimation;
 mod pose_prior;
+mod psi;
 mod refine;
 
 use clap::Subcommand;
@@ -17,6 +19,9 @@ pub enum Evaluate {
     Refine(refine::RefineArguments),
     /// The pose prior: errors on held-out clips, samples and interpolations as pictures.
     PosePrior(pose_prior::Arguments),
+    /// The paper's Tables 1, 2 and 3: reconstruction, diversity and physical plausibility of the networks, the search
+    /// and chance, before and after fitting.
+    Psi(psi::PsiArguments),
 }
 
 /// Runs the command.
@@ -28,5 +33,6 @@ pub fn run(subject: &Evaluate) -> anyhow::Result<Ended> {
         Evaluate::Estimation(arguments) => estimation::run(arguments),
         Evaluate::Refine(arguments) => refine::run(arguments),
         Evaluate::PosePrior(arguments) => pose_prior::run(arguments),
+        Evaluate::Psi(arguments) => psi::run(arguments),
     }
 }

@@ -13,11 +13,12 @@ use rayon::prelude::*;
 use super::super::clips::read_clips;
 use super::super::figures::figure_sheet;
 use super::super::output::OutputFolder;
+use super::super::train::curve::curve_png;
 use super::super::{Common, Ended, use_threads};
 use crate::assets::{PoseClip, Weights, encode_png};
 use crate::body::{Body, BodyPose, PoseDecoder, PoseSpace, worst_excess};
 use crate::job::{Seed, Ticker};
-use crate::learn::{PoseCorpus, PoseCorpusConfig, PoseGroup};
+use crate::learn::{PoseCorpus, PoseCorpusConfig, PoseGroup, PosePriorPoint};
 use crate::scene::{BodyParams, POSE};
 
 /// Poses of each group that are looked at.
@@ -54,13 +55,17 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Ended> {
         draw_clips(&folder, &clips)?;
     }
     let body = Body::bundled();
-    let loaded = arguments.weights.as_ref().map(|file| {
-        let bytes = fs::read(file).with_context(|| format!("can't read {}", file.display()))?;
-        let weights = Weights::from_bytes(&file.display().to_string(), &bytes)?;
-        anyhow::Ok(PoseDecoder::new(&weights, &body.model)?)
-    });
-    let loaded = loaded.transpose()?;
-    let prior = loaded.as_ref().map_or(&*body.pose_space, |prior| prior as &dyn PoseSpace);
+    let weights = match &arguments.weights {
+        Some(file) => {
+            let bytes = fs::read(file).with_context(|| format!("can't read {}", file.display()))?;
+            Weights::from_bytes(&file.display().to_string(), &bytes)?
+        }
+        None => PoseDecoder::bundled_weights()?,
+    };
+    if let Some(curve) = weights.notes.get("curve") {
+        folder.write("curves.png", &curve_png(&serde_json::from_str::<Vec<PosePriorPoint>>(curve)?)?)?;
+    }
+    let prior = &PoseDecoder::new(&weights, &body.model)?;
     let seed = Seed::root(arguments.common.seed);
     let config = PoseCorpusConfig { samples_a_family: 2000, ..PoseCorpusConfig::default() };
     let Ok(corpus) = PoseCorpus::new(&clips, &body.model, config, seed.child("corpus", 0), &Ticker::silent())

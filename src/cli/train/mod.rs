@@ -1,5 +1,6 @@
 //! `inhabit train`: statistics and networks learned from data, one file a subject.
 
+pub mod curve;
 mod hand_space;
 mod pose_prior;
 mod psi;

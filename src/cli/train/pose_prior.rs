@@ -9,12 +9,12 @@ use clap::Args;
 use super::super::clips::read_clips;
 use super::super::progress::run_job;
 use super::super::{Common, Ended, use_threads};
+use super::curve::{csv, curve_png};
 use crate::assets::{PoseClip, Precision, Weights};
 use crate::body::Body;
 use crate::job::{JobCtx, Seed, Stop};
 use crate::learn::{
-    PoseCorpus, PoseCorpusConfig, PosePriorConfig, PosePriorPoint, SHIPPED_PRECISION, TrainedPosePrior,
-    train_pose_prior,
+    PoseCorpus, PoseCorpusConfig, PosePriorConfig, SHIPPED_PRECISION, TrainedPosePrior, train_pose_prior,
 };
 
 /// Arguments of `train pose-prior`.
@@ -24,7 +24,7 @@ pub struct Arguments {
     /// folders below.
     #[arg(long, value_name = "DIR")]
     corpus: PathBuf,
-    /// File for the weights (safetensors); the curve is written beside it as CSV.
+    /// File for the weights (safetensors); the curves are written beside it as CSV and PNG.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Steps in all.
@@ -59,6 +59,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Ended> {
     let bytes = trained.weights.to_bytes(SHIPPED_PRECISION)?;
     fs::write(&arguments.out, bytes).with_context(|| format!("can't write {}", arguments.out.display()))?;
     fs::write(arguments.out.with_extension("csv"), csv(&trained.curve))?;
+    fs::write(arguments.out.with_extension("png"), curve_png(&trained.curve)?)?;
     if !arguments.common.quiet {
         println!("{count} clips with {frames} frames and ten pose families: {}", arguments.out.display());
         print!("{}", csv(&trained.curve[trained.curve.len().saturating_sub(1)..]));
@@ -83,15 +84,4 @@ fn train(
 fn read_weights(path: &Path) -> anyhow::Result<Weights> {
     let bytes = fs::read(path).with_context(|| format!("can't read the checkpoint {}", path.display()))?;
     Ok(Weights::from_bytes(&path.display().to_string(), &bytes)?)
-}
-
-fn csv(curve: &[PosePriorPoint]) -> String {
-    let row = |p: &PosePriorPoint| {
-        format!(
-            "{},{:.3},{:.3},{:.2},{:.2},{:.2}\n",
-            p.step, p.loss, p.divergence, p.training_mm, p.held_out_clips_mm, p.held_out_families_mm
-        )
-    };
-    let head = "step,loss_nats,divergence_nats,training_mm,held_out_clips_mm,held_out_families_mm\n";
-    head.to_owned() + &curve.iter().map(row).collect::<String>()
 }
