@@ -10,6 +10,7 @@ use crate::assets::Weights;
 use crate::body::PoseDecoder;
 use crate::generate::learned::LearnedMethod;
 use crate::generate::learned::LearnedSampler;
+use crate::nn::psi::PsiMethod;
 
 /// Every bundled network.
 pub fn cards() -> Arc<[NetworkCard]> {
@@ -25,18 +26,31 @@ fn all() -> Vec<NetworkCard> {
         let Some(file) = LearnedSampler::bundled_file(method) else { continue };
         let label = method.label();
         let notes = Weights::from_bytes(&label, file).map(|weights| weights.notes).unwrap_or_default();
-        cards.push(card(&label, made_by(&label, &notes), &notes));
+        cards.push(card(name_of(method), text_of(method).to_owned(), &notes));
     }
     cards
 }
 
-/// How a sampler was trained, out of its file's own notes.
-fn made_by(label: &str, notes: &BTreeMap<String, String>) -> String {
-    let mut text = format!("Made by `inhabit train psi`: {label}.\n");
-    for (name, note) in notes.iter().filter(|(_, note)| curves_of(note).is_empty()) {
-        text.push_str(&format!("- {name}: {note}\n"));
+/// Name for people.
+fn name_of(method: LearnedMethod) -> &'static str {
+    match (method.network, method.scene_loss) {
+        (PsiMethod::S1, false) => "S1",
+        (PsiMethod::S1, true) => "S1 with scene loss",
+        (PsiMethod::S2, false) => "S2",
+        (PsiMethod::S2, true) => "S2 with scene loss",
+        (PsiMethod::Baseline, _) => "Baseline",
     }
-    text
+}
+
+/// The card that ships beside the weights.
+fn text_of(method: LearnedMethod) -> &'static str {
+    match (method.network, method.scene_loss) {
+        (PsiMethod::S1, false) => include_str!("../../assets/networks/s1.md"),
+        (PsiMethod::S1, true) => include_str!("../../assets/networks/s1_hs.md"),
+        (PsiMethod::S2, false) => include_str!("../../assets/networks/s2.md"),
+        (PsiMethod::S2, true) => include_str!("../../assets/networks/s2_hs.md"),
+        (PsiMethod::Baseline, _) => include_str!("../../assets/networks/baseline.md"),
+    }
 }
 
 /// A card with the curves that the weights' own notes hold.

@@ -51,6 +51,7 @@ fn window(
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
         .default_width(width.min(ctx.content_rect().width() - 40.0))
+        .max_width(width.min(ctx.content_rect().width() - 40.0))
         .show(ctx, |ui| {
             ScrollArea::vertical()
                 .max_height(height)
