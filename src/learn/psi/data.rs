@@ -6,7 +6,7 @@ use crate::assets::content_hash;
 use crate::body::joints::BODY_JOINTS;
 use crate::body::{Body, BodyModel, BodyPose, Workspace};
 use crate::generate::sensor::{Projection, SIDE, Valid, View};
-use crate::job::{Rng, Seed};
+use crate::job::{Cancelled, Rng, Seed, Ticker};
 use crate::learn::corpus::{Corpus, CorpusPerson, CorpusView, Split};
 use crate::learn::mirrored;
 use crate::nn::psi::{BODY, CLIP_M, SceneInput, ValidArea};
@@ -90,7 +90,11 @@ impl PsiData {
     /// Bodies and pictures of a corpus; rooms keep their numbers. A body goes with every picture of its room that
     /// would show it, not only with those that aim at it: one picture stands for many bodies. Its test rooms are left out: nothing of them is
     /// ever seen in training.
-    pub fn from_corpus(corpus: Corpus) -> Self {
+    ///
+    /// # Errors
+    /// [`Cancelled`] once the user cancelled.
+    pub fn from_corpus(corpus: Corpus, ticker: &Ticker) -> Result<Self, Cancelled> {
+        ticker.stage("encoding people", corpus.rooms.iter().map(|room| room.people.len()).sum())?;
         let text = corpus.manifest.to_ron().unwrap_or_default();
         let id = format!(
             "{}, seed {}, {:032x}",
@@ -103,6 +107,7 @@ impl PsiData {
             let first = data.views.len();
             let pictures: Vec<Picture> = of.views.iter().map(Picture::of).collect();
             let encode = |(i, person): (usize, &CorpusPerson)| {
+                ticker.advance()?;
                 let params = BodyParams {
                     translation: person.translation,
                     rotation6: person.rotation6,
@@ -115,16 +120,18 @@ impl PsiData {
                 let shows =
                     |v: usize| of.views[v].body == i || pictures[v].visible_share(&joints) >= SEEN_SHARE;
                 body.views = (0..pictures.len()).filter(|v| shows(*v)).map(|v| first + v).collect();
-                body
+                Ok(body)
             };
-            let bodies: Vec<PsiBody> = of.people.par_iter().enumerate().map(encode).collect();
+            let bodies: Result<Vec<PsiBody>, Cancelled> =
+                of.people.par_iter().enumerate().map(encode).collect();
+            let bodies = bodies?;
             match of.split {
                 Split::Train => data.train.extend(bodies),
                 _ => data.validation.extend(bodies),
             }
             data.views.extend(of.views);
         }
-        data
+        Ok(data)
     }
 
     /// Leaves out pictures in which a body's pelvis does not lie between camera and largest depth (the published code

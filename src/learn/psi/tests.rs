@@ -172,8 +172,8 @@ fn the_scene_loss_and_its_gradient_agree_with_finite_differences() {
         let scene_loss = SceneLoss::new(body, 1.0, 1.0, 1.0);
         let mut workspace = Workspace::default();
         let mut at = |x: &[f32; PARAMS]| {
-            // Half a metre into the floor, so that both terms count.
-            let sunk = Affine3A::from_translation(Vec3::NEG_Y * 0.5) * item.world_from_camera;
+            // Wholly in the ground: the published mean over the vertices in solid matter jumps when one leaves.
+            let sunk = Affine3A::from_translation(Vec3::NEG_Y * 2.6) * item.world_from_camera;
             scene_loss.evaluate(body, &field, &sunk, x, &mut workspace)
         };
         let found = at(&x);
@@ -187,8 +187,7 @@ fn the_scene_loss_and_its_gradient_agree_with_finite_differences() {
             };
             let numeric = (moved(2e-3) - moved(-2e-3)) / 4e-3;
             let analytic = found.gradient[k];
-            // The collision is a mean over the vertices below, whose number jumps.
-            assert!((analytic - numeric).abs() < 0.02 + 0.1 * numeric.abs(), "x[{k}]: {analytic} {numeric}");
+            assert!((analytic - numeric).abs() < 0.01 + 0.03 * numeric.abs(), "x[{k}]: {analytic} {numeric}");
         }
     }
 }
@@ -277,7 +276,7 @@ fn a_mirrored_picture_shows_the_same_person_from_the_mirrored_side() {
 
 #[test]
 fn a_turned_camera_sees_a_wall_where_it_is() {
-    let data = corpus(1);
+    let data = corpus(2);
     let mut view = data.views[0].clone();
     // A wall three metres ahead, straight across.
     view.depth_mm = vec![3000; SIDE * SIDE];
