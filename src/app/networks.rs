@@ -1,12 +1,15 @@
 //! The bundled networks' cards and training curves, read once out of what ships with the program.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 use serde_json::Value;
 
 use super::engine::{Curve, NetworkCard};
 use crate::assets::Weights;
-use crate::body::pose_prior_file;
+use crate::body::PoseDecoder;
+use crate::generate::learned::LearnedMethod;
+use crate::generate::learned::LearnedSampler;
 
 /// Every bundled network.
 pub fn cards() -> Arc<[NetworkCard]> {
@@ -16,19 +19,43 @@ pub fn cards() -> Arc<[NetworkCard]> {
 
 fn all() -> Vec<NetworkCard> {
     let prior = include_str!("../../assets/networks/pose_prior.md");
-    vec![card("Pose prior", prior, pose_prior_file())]
+    let notes = PoseDecoder::bundled_weights().map(|weights| weights.notes).unwrap_or_default();
+    let mut cards = vec![card("Pose prior", prior.to_owned(), &notes)];
+    for method in LearnedMethod::ALL {
+        let Some(file) = LearnedSampler::bundled_file(method) else { continue };
+        let label = method.label();
+        let notes = Weights::from_bytes(&label, file).map(|weights| weights.notes).unwrap_or_default();
+        cards.push(card(&label, made_by(&label, &notes), &notes));
+    }
+    cards
+}
+
+/// How a sampler was trained, out of its file's own notes.
+fn made_by(label: &str, notes: &BTreeMap<String, String>) -> String {
+    let mut text = format!("Made by `inhabit train psi`: {label}.\n");
+    for (name, note) in notes.iter().filter(|(_, note)| curves_of(note).is_empty()) {
+        text.push_str(&format!("- {name}: {note}\n"));
+    }
+    text
 }
 
 /// A card with the curves that the weights' own notes hold.
-fn card(name: &str, text: &str, file: &[u8]) -> NetworkCard {
-    let notes = Weights::from_bytes(name, file).map(|weights| weights.notes).unwrap_or_default();
+fn card(name: &str, text: String, notes: &BTreeMap<String, String>) -> NetworkCard {
     let curves = notes.values().flat_map(|note| curves_of(note)).collect();
-    NetworkCard { name: name.to_owned(), text: text.to_owned(), curves }
+    NetworkCard { name: name.to_owned(), text, curves }
 }
 
-/// The curves of a note that is a list of records, each with a step or an epoch and some numbers.
+/// The curves of a note that is a list of records, each with a step or an epoch and some numbers; those that
+/// are 0 all along, for terms that a network does not have, are left out.
 fn curves_of(note: &str) -> Vec<Curve> {
-    let Ok(Value::Array(records)) = serde_json::from_str(note) else { return Vec::new() };
+    let records = match serde_json::from_str(note) {
+        Ok(Value::Array(records)) => records,
+        Ok(Value::Object(of)) => match of.into_iter().find(|(_, value)| value.is_array()) {
+            Some((_, Value::Array(records))) => records,
+            _ => return Vec::new(),
+        },
+        _ => return Vec::new(),
+    };
     let mut curves: Vec<Curve> = Vec::new();
     for record in records.iter().filter_map(Value::as_object) {
         let Some(at) = ["epoch", "step"].iter().find_map(|key| record.get(*key)?.as_f64()) else { continue };
@@ -40,6 +67,7 @@ fn curves_of(note: &str) -> Vec<Curve> {
             }
         }
     }
+    curves.retain(|curve| curve.points.iter().any(|point| point[1] != 0.0));
     curves
 }
 
@@ -51,7 +79,8 @@ mod tests {
     fn every_bundled_network_says_how_it_was_trained_and_shows_that_it_learned() {
         for card in cards().iter() {
             assert!(card.text.contains("inhabit train"), "{} names no command", card.name);
-            let loss = card.curves.iter().find(|curve| curve.name.contains("loss")).expect(&card.name);
+            let is_loss = |curve: &&Curve| curve.name.contains("loss") || curve.name == "reconstruction";
+            let loss = card.curves.iter().find(is_loss).expect(&card.name);
             let (first, last) = (loss.points[0], loss.points[loss.points.len() - 1]);
             assert!(last[0] > first[0] && last[1] < first[1], "{}: {first:?} to {last:?}", card.name);
         }
