@@ -1,12 +1,13 @@
 //! The bundled networks' cards and training curves, read once out of what ships with the program.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 use serde_json::Value;
 
 use super::engine::{Curve, NetworkCard};
 use crate::assets::Weights;
-use crate::body::pose_prior_file;
+use crate::body::PoseDecoder;
 use crate::generate::learned::LearnedMethod;
 use crate::generate::learned::LearnedSampler;
 
@@ -18,19 +19,19 @@ pub fn cards() -> Arc<[NetworkCard]> {
 
 fn all() -> Vec<NetworkCard> {
     let prior = include_str!("../../assets/networks/pose_prior.md");
-    let mut cards = vec![card("Pose prior", prior.to_owned(), pose_prior_file())];
+    let notes = PoseDecoder::bundled_weights().map(|weights| weights.notes).unwrap_or_default();
+    let mut cards = vec![card("Pose prior", prior.to_owned(), &notes)];
     for method in LearnedMethod::ALL {
-        if let Some(file) = LearnedSampler::bundled_file(method) {
-            let label = method.label();
-            cards.push(card(&label, made_by(&label, file), file));
-        }
+        let Some(file) = LearnedSampler::bundled_file(method) else { continue };
+        let label = method.label();
+        let notes = Weights::from_bytes(&label, file).map(|weights| weights.notes).unwrap_or_default();
+        cards.push(card(&label, made_by(&label, &notes), &notes));
     }
     cards
 }
 
 /// How a sampler was trained, out of its file's own notes.
-fn made_by(label: &str, file: &[u8]) -> String {
-    let notes = Weights::from_bytes(label, file).map(|weights| weights.notes).unwrap_or_default();
+fn made_by(label: &str, notes: &BTreeMap<String, String>) -> String {
     let mut text = format!("Made by `inhabit train psi`: {label}.\n");
     for (name, note) in notes.iter().filter(|(_, note)| curves_of(note).is_empty()) {
         text.push_str(&format!("- {name}: {note}\n"));
@@ -39,8 +40,7 @@ fn made_by(label: &str, file: &[u8]) -> String {
 }
 
 /// A card with the curves that the weights' own notes hold.
-fn card(name: &str, text: String, file: &[u8]) -> NetworkCard {
-    let notes = Weights::from_bytes(name, file).map(|weights| weights.notes).unwrap_or_default();
+fn card(name: &str, text: String, notes: &BTreeMap<String, String>) -> NetworkCard {
     let curves = notes.values().flat_map(|note| curves_of(note)).collect();
     NetworkCard { name: name.to_owned(), text, curves }
 }

@@ -30,7 +30,7 @@ pub use hands::HandShape;
 pub use limits::{JointLimit, joint_limits, worst_excess};
 pub use model::{BodyModel, BodyModelError};
 pub use parts::{BodyPart, BodyParts, Seams, part_at};
-pub use pose_decoder::{PoseDecoder, pose_prior_file};
+pub use pose_decoder::PoseDecoder;
 pub use pose_space::{BodyPose, PoseSpace, PoseTape};
 pub use posed::{Body, Posed};
 pub use regions::{ContactRegions, Region};

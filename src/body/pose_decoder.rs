@@ -17,11 +17,6 @@ use super::skin_moments::{POSE_TREE, PoseFigure, SkinMoments};
 
 const BUNDLED: &[u8] = include_bytes!("../../assets/networks/pose_prior.safetensors");
 
-/// The weight file of the bundled pose prior: its notes tell how it was trained.
-pub fn pose_prior_file() -> &'static [u8] {
-    BUNDLED
-}
-
 /// Numbers of a pose as axis-angles.
 const ANGLES: usize = 3 * BODY_JOINTS;
 /// Numbers of a pose as first two columns of rotation matrices.
