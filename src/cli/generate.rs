@@ -112,7 +112,11 @@ impl GenerateArguments {
     }
 }
 
-fn parse_point(text: &str) -> Result<Vec3, String> {
+/// Three numbers `X,Y,Z` as a point in metres.
+///
+/// # Errors
+/// What to write instead.
+pub fn parse_point(text: &str) -> Result<Vec3, String> {
     let numbers: Vec<f32> = text.split(',').filter_map(|n| n.trim().parse().ok()).collect();
     match numbers.as_slice() {
         [x, y, z] if numbers.iter().all(|n| n.is_finite()) => Ok(Vec3::new(*x, *y, *z)),

@@ -96,12 +96,20 @@ pub fn is_project(path: &Path) -> bool {
 /// # Errors
 /// [`Stop::Cancelled`] when interrupted.
 pub fn geometry(room: &Room, ticker: &Ticker) -> Result<RoomGeometry, Stop> {
+    geometry_of(room, &GeometryConfig::default(), ticker)
+}
+
+/// Builds the room's geometry as `config` says, under a job's progress.
+///
+/// # Errors
+/// [`Stop::Cancelled`] when interrupted.
+pub fn geometry_of(room: &Room, config: &GeometryConfig, ticker: &Ticker) -> Result<RoomGeometry, Stop> {
     ticker.stage("understanding the room", 0)?;
     let step = |done: usize, total: usize| match ticker.step(done, total) {
         Ok(()) => std::ops::ControlFlow::Continue(()),
         Err(_) => std::ops::ControlFlow::Break(()),
     };
-    RoomGeometry::build(room, &GeometryConfig::default(), &step).map_err(|_| Stop::Cancelled)
+    RoomGeometry::build(room, config, &step).map_err(|_| Stop::Cancelled)
 }
 
 /// The room's row of a report.

@@ -6,6 +6,7 @@
 mod clips;
 mod convert;
 mod corpus;
+mod estimate;
 mod evaluate;
 mod figures;
 mod generate;
@@ -16,6 +17,7 @@ mod output;
 mod pictures;
 mod progress;
 mod report;
+mod scene_prior;
 mod sheet;
 mod stage;
 mod train;
@@ -114,6 +116,8 @@ pub enum Command {
     Evaluate(evaluate::Evaluate),
     /// Stage a corpus: rooms made by rule, people in them, views of them.
     Stage(stage::StageArguments),
+    /// Find the person of a photo in the room where it was taken, from keypoints and a camera.
+    Estimate(estimate::EstimateArguments),
     /// Convert a room, layout or project to another format.
     Convert(convert::ConvertArguments),
 }
@@ -171,6 +175,7 @@ pub fn run(command: Command) -> ExitCode {
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
         Command::Stage(arguments) => stage::run(&arguments),
+        Command::Estimate(arguments) => estimate::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
     };
     exit_code(result)

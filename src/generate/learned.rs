@@ -12,7 +12,19 @@ use crate::nn::psi::{PsiMethod, PsiSampler, SceneInput, ValidArea};
 use crate::scene::{BodyParams, POSE};
 
 /// Networks that ship with the program.
-const BUNDLED: &[(LearnedMethod, &[u8])] = &[];
+const BUNDLED: &[(LearnedMethod, &[u8])] = &[
+    (S1, include_bytes!("../../assets/networks/s1.safetensors")),
+    (S1_HS, include_bytes!("../../assets/networks/s1_hs.safetensors")),
+    (S2, include_bytes!("../../assets/networks/s2.safetensors")),
+    (S2_HS, include_bytes!("../../assets/networks/s2_hs.safetensors")),
+    (BASELINE, include_bytes!("../../assets/networks/baseline.safetensors")),
+];
+
+const S1: LearnedMethod = LearnedMethod { network: PsiMethod::S1, scene_loss: false };
+const S1_HS: LearnedMethod = LearnedMethod { network: PsiMethod::S1, scene_loss: true };
+const S2: LearnedMethod = LearnedMethod { network: PsiMethod::S2, scene_loss: false };
+const S2_HS: LearnedMethod = LearnedMethod { network: PsiMethod::S2, scene_loss: true };
+const BASELINE: LearnedMethod = LearnedMethod { network: PsiMethod::Baseline, scene_loss: false };
 
 /// A trained network: which, and whether the scene loss L_HS joined in its training (PSI §3.2.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,13 +50,7 @@ pub enum LearnedError {
 
 impl LearnedMethod {
     /// S1, S2 and the baseline, then S1 and S2 with the scene loss.
-    pub const ALL: [Self; 5] = [
-        Self { network: PsiMethod::S1, scene_loss: false },
-        Self { network: PsiMethod::S2, scene_loss: false },
-        Self { network: PsiMethod::Baseline, scene_loss: false },
-        Self { network: PsiMethod::S1, scene_loss: true },
-        Self { network: PsiMethod::S2, scene_loss: true },
-    ];
+    pub const ALL: [Self; 5] = [S1, S2, BASELINE, S1_HS, S2_HS];
 
     /// The one that the program takes when a user names only the network: whichever of plain and L_HS sampled better
     /// on the validation rooms (cards in `assets/networks`).
@@ -246,6 +252,21 @@ mod tests {
             match LearnedSampler::bundled(method) {
                 Ok(_) => assert!(LearnedSampler::is_bundled(method)),
                 Err(error) => assert!(error.to_string().contains("inhabit train psi"), "{error}"),
+            }
+        }
+        let other = LearnedMethod { scene_loss: true, ..BASELINE };
+        let error = LearnedSampler::bundled(other).err().expect("nobody trains it with the scene loss");
+        assert!(error.to_string().contains("inhabit train psi"), "{error}");
+    }
+
+    #[test]
+    fn every_network_that_ships_is_the_one_its_name_says_and_proposes_people_in_the_room() {
+        for method in LearnedMethod::ALL {
+            let sampler = LearnedSampler::bundled(method).expect("ships");
+            assert_eq!(sampler.network().config().method, method.network);
+            for body in sample(sampler, 20, 1) {
+                let away = (body.translation - image().view.eye()).length();
+                assert!((0.2..9.0).contains(&away), "{}: {away} m from the camera", method.label());
             }
         }
     }

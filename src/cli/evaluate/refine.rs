@@ -9,14 +9,15 @@ use rayon::prelude::*;
 use crate::body::Body;
 use crate::cli::load;
 use crate::cli::output::OutputFolder;
+use crate::cli::pictures::Photographer;
 use crate::cli::progress::run_job;
 use crate::cli::{Common, Ended, use_threads};
-use crate::evolve::{PopulateRequest, RefineRequest, Refined, populate, refine};
+use crate::evolve::{PopulateRequest, PopulatedPerson, RefineRequest, Refined, populate, refine};
 use crate::fit::FitPreset;
 use crate::inspect::{BodyMetrics, inspect_body};
 use crate::job::{JobCtx, Seed, Stop};
 use crate::learn::{Disturbance, PlausibilityRow, random_placements};
-use crate::scene::{BodyParams, Room, RoomGeometry};
+use crate::scene::{BodyParams, Person, PersonId, Room, RoomGeometry, Scene};
 
 /// Most people that the search is asked for in one room before they are disturbed.
 const MOST_DISTURBED: usize = 16;
@@ -36,6 +37,9 @@ pub struct RefineArguments {
     /// Folder for `refine.json` and `refine.md`; nothing is written when left out.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Draw this many refined people of each room, from two sides and by penetration, into `--out`.
+    #[arg(long, default_value_t = 0, value_name = "N", requires = "out")]
+    pub pictures: usize,
     /// Options of every command.
     #[command(flatten)]
     pub common: Common,
@@ -84,6 +88,13 @@ struct Report {
     beyond_rescue: Vec<Lost>,
 }
 
+/// One room's share of the report, and what its pictures need.
+struct OfRoom {
+    report: Report,
+    geometry: RoomGeometry,
+    refined: Vec<Refined>,
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -92,17 +103,24 @@ pub fn run(arguments: &RefineArguments) -> anyhow::Result<Ended> {
     use_threads(arguments.common.threads)?;
     let folder = arguments.out.as_ref().map(|root| OutputFolder::claim(root, false)).transpose()?;
     let mut report = Report::default();
+    let mut first_picture = 0;
     for path in &arguments.rooms {
         let loaded = load::load(Some(path), &crate::scene::ImportOptions::default())?;
         let (room, people, preset) = (loaded.room.clone(), arguments.people, arguments.fit.preset());
         let name = path.file_stem().map_or_else(|| loaded.path.clone(), |n| n.to_string_lossy().into_owned());
         let work = move |cx: &JobCtx| one_room(&room, &name, people, preset, cx);
         let seed = Seed::root(arguments.common.seed);
-        let Some(of_room) = run_job("evaluate refine", seed, arguments.common.quiet, work)? else {
+        let Some(mut of_room) = run_job("evaluate refine", seed, arguments.common.quiet, work)? else {
             return Ok(Ended::Interrupted);
         };
-        report.rows.extend(of_room.rows);
-        report.beyond_rescue.extend(of_room.beyond_rescue);
+        report.rows.append(&mut of_room.report.rows);
+        report.beyond_rescue.append(&mut of_room.report.beyond_rescue);
+        if let Some(folder) = &folder {
+            for index in 0..arguments.pictures.min(of_room.refined.len()) {
+                draw(folder, &loaded.room, &of_room, index, first_picture + index)?;
+            }
+        }
+        first_picture += arguments.pictures;
     }
     let (json, table) = (serde_json::to_string_pretty(&report)?, markdown(&report.rows));
     if let Some(folder) = folder {
@@ -119,12 +137,13 @@ fn one_room(
     people: usize,
     preset: FitPreset,
     cx: &JobCtx,
-) -> Result<Report, Stop> {
+) -> Result<OfRoom, Stop> {
     let geometry = load::geometry(room, cx.ticker())?;
     let request = PopulateRequest { people: people.min(MOST_DISTURBED), ..PopulateRequest::default() };
     let found = populate(room, &geometry, &request, &JobCtx::watched(cx.seed, cx.ticker().clone()))?;
     let bodies: Vec<BodyParams> = found.people.into_iter().map(|p| p.person.body).collect();
     let mut report = Report::default();
+    let mut all = Vec::new();
     for (kind, samples) in [
         ("disturbed", Disturbance::default().apply(&bodies, cx.seed)),
         ("random", random_placements(&geometry, people, cx.seed)),
@@ -137,8 +156,41 @@ fn one_room(
         let refined = refine(room, &geometry, &samples, &request, &cx)?;
         report.rows.push(PlausibilityRow::of_refined(&format!("{title}, after"), &refined));
         report.beyond_rescue.extend(lost(name, kind, &refined));
+        all.extend(refined);
     }
-    Ok(report)
+    Ok(OfRoom { report, geometry, refined: all })
+}
+
+/// One refined person alone in the room.
+fn draw(
+    folder: &OutputFolder,
+    room: &Arc<Room>,
+    of_room: &OfRoom,
+    index: usize,
+    number: usize,
+) -> anyhow::Result<()> {
+    let refined = &of_room.refined[index];
+    let person = Person {
+        id: PersonId(number as u32),
+        name: format!("Person {}", number + 1),
+        body: refined.params.clone(),
+        family: refined.family,
+        on: refined.on.clone(),
+        seed: 0,
+        palette: number as u32,
+        visible: true,
+        locked: false,
+    };
+    let scene = Scene { room: room.clone(), people: vec![person.clone()] };
+    let shown = PopulatedPerson {
+        person,
+        proposed: refined.before.clone(),
+        report: refined.report.clone(),
+        findings: refined.findings.clone(),
+        trace: refined.trace.clone(),
+        seconds: refined.seconds,
+    };
+    Photographer::new(folder, &scene)?.person(&shown, &of_room.geometry, 2)
 }
 
 fn measured(geometry: &RoomGeometry, samples: &[BodyParams], cx: &JobCtx) -> Result<Vec<BodyMetrics>, Stop> {

@@ -222,7 +222,7 @@ fn train_network(
     cx: &JobCtx,
 ) -> Result<TrainingState, Stop> {
     let corpus = read_corpus(folder, cx.ticker())?;
-    let mut data = PsiData::from_corpus(corpus);
+    let mut data = PsiData::from_corpus(corpus, cx.ticker())?;
     data.drop_unseen();
     let fields = if training.scene_loss { read_fields(folder, cx.ticker())? } else { Vec::new() };
     let mut state = match resume {

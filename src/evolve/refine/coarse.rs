@@ -19,6 +19,8 @@ const TURNS: [f32; 12] = [0.0, -14.0, 14.0, -30.0, 30.0, -55.0, 55.0, -85.0, 85.
 const LIFTS_M: [f32; 5] = [0.0, 0.015, -0.015, 0.035, 0.06];
 /// Moves tried around one of the room's places, forwards and sideways, metres.
 const SHIFTS_M: [(f32, f32); 5] = [(0.0, 0.0), (0.06, 0.0), (-0.06, 0.0), (0.0, 0.06), (0.0, -0.06)];
+/// Places farther from the sample than this are tried at one position only, metres.
+const FINE_M: f32 = 1.2;
 /// A move of this far costs 1.
 const MOVE_M: f32 = 0.4;
 /// A turn of this far costs 1, degrees.
@@ -72,8 +74,23 @@ pub struct Start {
     pub on: String,
     /// How badly it stands, moves included: 0 is perfect and where the sample was.
     pub cost: f32,
-    yaw_deg: f32,
+    /// Where it is, to tell starts apart.
+    pub spot: Spot,
+}
+
+/// A position and a turn from the sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot {
     pelvis: Vec3,
+    yaw_deg: f32,
+}
+
+impl Spot {
+    /// Whether a fit from one would end as one from the other.
+    fn is_like(&self, other: &Self) -> bool {
+        let turn = (self.yaw_deg - other.yaw_deg).rem_euclid(360.0);
+        self.pelvis.distance(other.pelvis) < SAME.0 && turn.min(360.0 - turn) < SAME.1
+    }
 }
 
 impl Start {
@@ -84,7 +101,7 @@ impl Start {
 
     fn unmoved(params: &BodyParams, family: PoseFamily, pelvis: Vec3) -> Self {
         let on = "nothing".to_owned();
-        Self { params: params.clone(), family, on, cost: f32::INFINITY, yaw_deg: 0.0, pelvis }
+        Self { params: params.clone(), family, on, cost: f32::INFINITY, spot: Spot { pelvis, yaw_deg: 0.0 } }
     }
 }
 
@@ -130,8 +147,9 @@ impl<'a> Coarse<'a> {
         Self { room, geometry, shaper, places, cells }
     }
 
-    /// Up to `count` starts, the most promising first and none alike; at least one.
-    pub fn starts(&self, sample: &BodyParams, reach: Reach, count: usize) -> Vec<Start> {
+    /// Up to `count` starts, the most promising first, none alike and none like one that was `tried`. Where nothing
+    /// is to rest on at all, the sample set right.
+    pub fn starts(&self, sample: &BodyParams, reach: Reach, count: usize, tried: &[Spot]) -> Vec<Start> {
         let sample = self.upright(sample);
         let mut found: Vec<Start> = Vec::new();
         let mut best = f32::INFINITY;
@@ -153,7 +171,7 @@ impl<'a> Coarse<'a> {
             // Nothing to rest on anywhere near: set right and nothing else.
             found.push(Start::unmoved(&sample.params, sample.family, sample.pelvis));
         }
-        distinct(found, count)
+        distinct(found, count, tried)
     }
 
     /// What the body does, set right.
@@ -203,7 +221,10 @@ impl<'a> Coarse<'a> {
             let moving = reach.price() * (apart_m / MOVE_M + yaw_deg.abs() / TURN_DEG) + less_inviting;
             Pose { pelvis, yaw_deg, moving, place: Some(place) }
         };
-        self.places.iter().filter(fits).flat_map(|p| SHIFTS_M.map(|s| pose(p, s))).collect()
+        let near = |p: &Place| flat(sample.pelvis).distance(flat(p.under_pelvis)) < FINE_M;
+        let shifts = |p: &Place| if near(p) { SHIFTS_M.len() } else { 1 };
+        let poses = |p: &'a Place| SHIFTS_M.into_iter().take(shifts(p)).map(move |s| (p, s));
+        self.places.iter().filter(fits).flat_map(poses).map(|(place, shift)| pose(place, shift)).collect()
     }
 
     /// The best height at a position, if any costs less than `limit`.
@@ -282,20 +303,17 @@ impl<'a> Coarse<'a> {
             (None, None) if group == "stand" && sample.leans => (PoseFamily::Lean, "floor".to_owned()),
             (None, None) => (sample.family, "floor".to_owned()),
         };
-        Start { params, family, on, cost, yaw_deg: pose.yaw_deg, pelvis }
+        Start { params, family, on, cost, spot: Spot { pelvis, yaw_deg: pose.yaw_deg } }
     }
 }
 
-/// The cheapest starts, none like a cheaper one.
-fn distinct(mut found: Vec<Start>, count: usize) -> Vec<Start> {
+/// The cheapest starts, none like a cheaper one or one that was tried.
+fn distinct(mut found: Vec<Start>, count: usize, tried: &[Spot]) -> Vec<Start> {
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let mut kept: Vec<Start> = Vec::new();
     for start in found {
-        let alike = |k: &Start| {
-            let turn = (k.yaw_deg - start.yaw_deg).rem_euclid(360.0);
-            k.pelvis.distance(start.pelvis) < SAME.0 && turn.min(360.0 - turn) < SAME.1
-        };
-        if kept.len() < count && !kept.iter().any(alike) {
+        let alike = |spot: &Spot| spot.is_like(&start.spot);
+        if kept.len() < count && !tried.iter().any(alike) && !kept.iter().any(|k| alike(&k.spot)) {
             kept.push(start);
         }
     }

@@ -16,7 +16,7 @@ use std::time::Instant;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use self::coarse::{Coarse, Reach, Start};
+use self::coarse::{Coarse, Reach, Spot, Start};
 use self::guess::Posture;
 use self::shape::Shaper;
 use crate::body::joints::PELVIS;
@@ -50,7 +50,7 @@ impl Default for RefineRequest {
         Self {
             fit: FitConfig { preview_every: 8, ..FitConfig::default() },
             starts_near: 3,
-            starts_anywhere: 2,
+            starts_anywhere: 5,
             limits: Limits::default(),
         }
     }
@@ -209,22 +209,23 @@ impl<'a> Refiner<'a> {
         show: &mut dyn FnMut(&BodyParams),
     ) -> Result<(Attempt, usize), Cancelled> {
         let mut best: Option<Attempt> = None;
-        let mut fits = 0;
+        let mut tried: Vec<Spot> = Vec::new();
         let plan = [(Reach::Near, self.request.starts_near), (Reach::Anywhere, self.request.starts_anywhere)];
         for (reach, count) in plan {
-            for start in self.coarse.starts(sample, reach, count) {
+            let starts = self.coarse.starts(sample, reach, count, &tried);
+            for start in starts {
+                tried.push(start.spot);
                 let attempt = self.attempt(index, sample, start, cx, show)?;
-                fits += 1;
                 let clean = attempt.findings.is_empty();
                 if best.as_ref().is_none_or(|b| attempt.badness() < b.badness()) {
                     best = Some(attempt);
                 }
                 if clean {
-                    return Ok((best.unwrap_or_else(|| self.unfitted(index, sample)), fits));
+                    return Ok((best.unwrap_or_else(|| self.unfitted(index, sample)), tried.len()));
                 }
             }
         }
-        Ok((best.unwrap_or_else(|| self.unfitted(index, sample)), fits))
+        Ok((best.unwrap_or_else(|| self.unfitted(index, sample)), tried.len()))
     }
 
     fn attempt(

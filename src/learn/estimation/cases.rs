@@ -6,6 +6,7 @@ use crate::evolve::mean_code;
 use crate::generate::sensor::{VirtualCameraConfig, virtual_cameras};
 use crate::generate::{SearchRequest, search};
 use crate::job::{Cancelled, Seed, Ticker};
+use crate::learn::corpus::{CorpusRoom, CorpusView, ViewKind};
 use crate::scene::{BodyParams, POSE, PoseFamily, Room, RoomGeometry};
 
 /// Samples of a scene over which PSI §4.2 averages the pose code.
@@ -38,11 +39,34 @@ pub fn cases_of_room(
                 family: *family,
                 truth,
                 view,
+                image: None,
                 scene_code: [0.0; POSE],
             });
         }
     }
     cases
+}
+
+/// Views of a corpus's room, evenly picked up to `most` of those of one kind, numbered from `first`.
+pub fn cases_of_corpus(room: &CorpusRoom, kind: ViewKind, most: usize, first: u64, body: &Body) -> Vec<Case> {
+    let views: Vec<&CorpusView> =
+        room.views.iter().filter(|v| v.kind == kind && v.body < room.people.len()).collect();
+    let count = most.min(views.len());
+    // Views of one person follow each other: steps pick them from all people.
+    let picked = (0..count).map(|i| views[i * views.len() / count]);
+    let case = |(index, view): (usize, &CorpusView)| {
+        let person = &room.people[view.body];
+        Case {
+            room: room.name.clone(),
+            number: first + index as u64,
+            family: person.family,
+            truth: person.params(body),
+            view: view.view,
+            image: Some(view.scene_image()),
+            scene_code: [0.0; POSE],
+        }
+    };
+    picked.enumerate().map(case).collect()
 }
 
 /// The mean pose code of people that the affordance search proposes for a room: a scene's prior without learning.

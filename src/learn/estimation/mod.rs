@@ -9,7 +9,7 @@ mod observe;
 mod study;
 mod summary;
 
-pub use cases::{SCENE_SAMPLES, cases_of_room, scene_code_by_search};
+pub use cases::{SCENE_SAMPLES, cases_of_corpus, cases_of_room, scene_code_by_search};
 pub use observe::{ObserveConfig, Observer};
 pub use study::{Case, CaseResult, study_room};
 pub use summary::{Comparison, GroupRow, MethodRow, Summary, summarise};

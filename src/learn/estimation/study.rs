@@ -4,7 +4,7 @@ use super::observe::{ObserveConfig, Observer};
 use crate::body::Body;
 use crate::evolve::{EstimatorKind, pinhole};
 use crate::fit::estimation::{Estimate, Estimator};
-use crate::generate::sensor::View;
+use crate::generate::sensor::{SceneImage, View};
 use crate::inspect::EstimateErrors;
 use crate::job::{Cancelled, Seed, Ticker};
 use crate::scene::{BodyParams, POSE, PoseFamily, RoomGeometry};
@@ -22,6 +22,8 @@ pub struct Case {
     pub truth: BodyParams,
     /// The camera.
     pub view: View,
+    /// What the camera sees of the room without the body, where it was captured before.
+    pub image: Option<SceneImage>,
     /// PSI's θ_s of this view: mean pose code of samples of the scene without the body.
     pub scene_code: [f32; POSE],
 }

@@ -94,6 +94,9 @@ pub struct PsiTraining {
     pub late: f32,
     /// Half of the pictures are mirrored, with their bodies.
     pub mirror: bool,
+    /// Largest turn of the camera to either side and up or down, degrees: virtual cameras aim at the body, which
+    /// would else always be in the middle (the published code's noise on the camera moved it; algorithms 1.7).
+    pub turn_deg: [f32; 2],
     /// Deviation of the noise on each pixel's depth, as a share of the depth.
     pub depth_noise: f32,
 }
@@ -112,6 +115,7 @@ impl PsiTraining {
             scene_loss: false,
             late: 0.75,
             mirror: true,
+            turn_deg: [20.0, 10.0],
             depth_noise: 0.005,
         }
     }

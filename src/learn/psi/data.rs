@@ -3,9 +3,10 @@ use rand::RngExt as _;
 use rayon::prelude::*;
 
 use crate::assets::content_hash;
-use crate::body::{Body, BodyModel, BodyPose};
-use crate::generate::sensor::{Projection, SIDE};
-use crate::job::Seed;
+use crate::body::joints::BODY_JOINTS;
+use crate::body::{Body, BodyModel, BodyPose, Workspace};
+use crate::generate::sensor::{Projection, SIDE, Valid, View};
+use crate::job::{Cancelled, Rng, Seed, Ticker};
 use crate::learn::corpus::{Corpus, CorpusPerson, CorpusView, Split};
 use crate::learn::mirrored;
 use crate::nn::psi::{BODY, CLIP_M, SceneInput, ValidArea};
@@ -13,6 +14,10 @@ use crate::scene::{BodyParams, HANDS, POSE};
 
 /// A body nearer to the camera than this is behind or around it, in metres.
 const NEAREST_M: f32 = 0.4;
+/// A picture goes with a body when it would show this share of its joints.
+const SEEN_SHARE: f32 = 0.6;
+/// Joints lie this far behind the surface that carries the body, in metres: flesh and what gives way.
+const COVER_M: f32 = 0.12;
 /// Turns left into right in the camera's frame.
 const FLIP: Mat3 = Mat3::from_cols(Vec3::NEG_X, Vec3::Y, Vec3::Z);
 
@@ -60,13 +65,16 @@ pub struct Item {
 pub struct Augment {
     /// Mirror half of them.
     pub mirror: bool,
+    /// Largest turn of the camera to either side and up or down, degrees. Virtual cameras aim at the body, so
+    /// that it would always be in the middle of the picture.
+    pub turn_deg: [f32; 2],
     /// Deviation of depth noise, as a share of the depth.
     pub depth_noise: f32,
 }
 
 impl Augment {
     /// Nothing is changed.
-    pub const NONE: Self = Self { mirror: false, depth_noise: 0.0 };
+    pub const NONE: Self = Self { mirror: false, turn_deg: [0.0; 2], depth_noise: 0.0 };
 }
 
 impl PsiBody {
@@ -79,9 +87,14 @@ impl PsiBody {
 }
 
 impl PsiData {
-    /// Bodies and pictures of a corpus; rooms keep their numbers. Its test rooms are left out: nothing of them is
+    /// Bodies and pictures of a corpus; rooms keep their numbers. A body goes with every picture of its room that
+    /// would show it, not only with those that aim at it: one picture stands for many bodies. Its test rooms are left out: nothing of them is
     /// ever seen in training.
-    pub fn from_corpus(corpus: Corpus) -> Self {
+    ///
+    /// # Errors
+    /// [`Cancelled`] once the user cancelled.
+    pub fn from_corpus(corpus: Corpus, ticker: &Ticker) -> Result<Self, Cancelled> {
+        ticker.stage("encoding people", corpus.rooms.iter().map(|room| room.people.len()).sum())?;
         let text = corpus.manifest.to_ron().unwrap_or_default();
         let id = format!(
             "{}, seed {}, {:032x}",
@@ -92,11 +105,9 @@ impl PsiData {
         let mut data = Self { id, ..Self::default() };
         for (room, of) in corpus.rooms.into_iter().enumerate().filter(|(_, r)| r.split != Split::Test) {
             let first = data.views.len();
-            let of_person = |person: usize| {
-                let theirs = of.views.iter().enumerate().filter(|(_, v)| v.body == person);
-                theirs.map(|(i, _)| first + i).collect::<Vec<usize>>()
-            };
+            let pictures: Vec<Picture> = of.views.iter().map(Picture::of).collect();
             let encode = |(i, person): (usize, &CorpusPerson)| {
+                ticker.advance()?;
                 let params = BodyParams {
                     translation: person.translation,
                     rotation6: person.rotation6,
@@ -104,19 +115,26 @@ impl PsiData {
                     pose: [0.0; POSE],
                     hands: person.hands,
                 };
-                PsiBody::new(room, params, &person.body_pose, of_person(i))
+                let mut body = PsiBody::new(room, params, &person.body_pose, Vec::new());
+                let joints = joints_of(&body.params);
+                let shows =
+                    |v: usize| of.views[v].body == i || pictures[v].visible_share(&joints) >= SEEN_SHARE;
+                body.views = (0..pictures.len()).filter(|v| shows(*v)).map(|v| first + v).collect();
+                Ok(body)
             };
-            let bodies: Vec<PsiBody> = of.people.par_iter().enumerate().map(encode).collect();
+            let bodies: Result<Vec<PsiBody>, Cancelled> =
+                of.people.par_iter().enumerate().map(encode).collect();
+            let bodies = bodies?;
             match of.split {
                 Split::Train => data.train.extend(bodies),
                 _ => data.validation.extend(bodies),
             }
             data.views.extend(of.views);
         }
-        data
+        Ok(data)
     }
 
-    /// Leaves out pictures in which a body does not lie between camera and largest depth (the published code
+    /// Leaves out pictures in which a body's pelvis does not lie between camera and largest depth (the published code
     /// drops such batches), and bodies that no picture is left of. Returns how many bodies were left out.
     pub fn drop_unseen(&mut self) -> usize {
         let views = &self.views;
@@ -125,7 +143,7 @@ impl PsiData {
             let before = bodies.len();
             bodies.par_iter_mut().for_each(|body| {
                 let params = body.params.clone();
-                body.views.retain(|v| is_seen(&views[*v], &params, &Body::bundled().model));
+                body.views.retain(|v| Picture::of(&views[*v]).shows(&params, &Body::bundled().model));
             });
             bodies.retain(|body| !body.views.is_empty());
             dropped += before - bodies.len();
@@ -138,27 +156,131 @@ impl PsiData {
         let mut rng = seed.rng();
         let view = &self.views[body.views[rng.random_range(0..body.views.len())]];
         let mirrored = augment.mirror && rng.random_bool(0.5);
-        let mut item = self.item(body, view, mirrored);
+        let mut picture = Picture::of(view);
+        if augment.turn_deg != [0.0; 2] {
+            let drawn = |most: f32, rng: &mut Rng| rng.random_range(-1.0..=1.0f32) * most.to_radians();
+            let [yaw, pitch] = augment.turn_deg.map(|most| drawn(most, &mut rng));
+            let turned = picture.turned(yaw, pitch);
+            if turned.shows(&body.params, &Body::bundled().model) {
+                picture = turned;
+            }
+        }
         if augment.depth_noise > 0.0 {
             // An even distribution of this half-width has the wanted deviation.
             let half = augment.depth_noise * 3f32.sqrt();
-            item.scene.depth_m.iter_mut().for_each(|d| *d *= 1.0 + rng.random_range(-half..=half));
+            picture.depth_m.iter_mut().for_each(|d| *d *= 1.0 + rng.random_range(-half..=half));
         }
-        item
+        picture.item(body, mirrored)
+    }
+}
+
+/// A picture on its way to the network.
+#[derive(Clone, Debug)]
+pub(super) struct Picture {
+    pub view: View,
+    valid: Valid,
+    pub depth_m: Vec<f32>,
+    pub labels: Vec<u8>,
+}
+
+impl Picture {
+    pub fn of(view: &CorpusView) -> Self {
+        let depth_m = view.depth_mm.iter().map(|mm| (f32::from(*mm) * 1e-3).min(CLIP_M)).collect();
+        Self { view: view.view, valid: view.valid, depth_m, labels: view.labels.clone() }
     }
 
-    fn item(&self, body: &PsiBody, view: &CorpusView, mirrored: bool) -> Item {
+    /// What the camera sees when it turns left about the world's vertical by `yaw` and down by `pitch` (radians):
+    /// exact, for it stays where it is. What comes in from beyond the border repeats the border.
+    pub fn turned(&self, yaw: f32, pitch: f32) -> Self {
+        let old = self.view.world_from_camera;
+        let new = Mat3::from_rotation_y(yaw) * Mat3::from(old.matrix3) * Mat3::from_rotation_x(-pitch);
+        let old_from_new = Mat3::from(old.matrix3).transpose() * new;
+        let mut out = self.clone();
+        out.view.world_from_camera = Affine3A { matrix3: new.into(), translation: old.translation };
+        let (focal, middle) = (self.view.intrinsics.focal_px, SIDE as f32 * 0.5);
+        let valid = [self.valid.left, self.valid.top, self.valid.width, self.valid.height].map(|n| n as f32);
+        for at in (0..SIDE * SIDE).filter(|at| self.valid.contains(at % SIDE, at / SIDE)) {
+            let flat = |pixel: usize| (pixel as f32 + 0.5 - middle) / focal;
+            let along = old_from_new * Vec3::new(flat(at % SIDE), flat(at / SIDE), 1.0);
+            let ahead = along.z.max(1e-3);
+            let place = [along.x / ahead * focal + middle, along.y / ahead * focal + middle];
+            let inside: [f32; 2] =
+                std::array::from_fn(|k| place[k].clamp(valid[k] + 0.5, valid[k] + valid[k + 2] - 0.5));
+            let from = inside[1] as usize * SIDE + inside[0] as usize;
+            // The new depth of a point is its old one over the old depth of the new ray's unit depth.
+            let scale = if inside == place { 1.0 / ahead } else { 1.0 };
+            out.depth_m[at] = (self.depth_m[from] * scale).min(CLIP_M);
+            out.labels[at] = self.labels[from];
+        }
+        out
+    }
+
+    /// Whether the body's pelvis lies in the picture, between camera and largest depth.
+    fn shows(&self, params: &BodyParams, model: &BodyModel) -> bool {
+        let pelvis = model.rest_joints(&params.betas)[0] + params.translation;
+        let seen = self.view.project(pelvis).is_some_and(|(pixel, _)| {
+            self.view.holds(pixel) && self.valid.contains(pixel.x as usize, pixel.y as usize)
+        });
+        let z = self.view.body_in_camera(params, model).translation.z;
+        seen && (NEAREST_M..=self.max_depth_m()).contains(&z)
+    }
+
+    /// Share of points (world frame) that lie in the picture and not behind what it shows.
+    fn visible_share(&self, points: &[Vec3]) -> f32 {
+        let sees = |point: &&Vec3| {
+            let Some((pixel, depth_m)) = self.view.project(**point) else { return false };
+            let (x, y) = (pixel.x as usize, pixel.y as usize);
+            self.view.holds(pixel)
+                && self.valid.contains(x, y)
+                && self.depth_m[y * SIDE + x] + COVER_M > depth_m
+        };
+        points.iter().filter(sees).count() as f32 / points.len().max(1) as f32
+    }
+
+    fn max_depth_m(&self) -> f32 {
+        let deepest = self.depth_m.iter().copied().fold(0.0, f32::max);
+        if deepest > 0.0 { deepest } else { CLIP_M }
+    }
+
+    /// The body in this picture, mirrored if asked for.
+    pub fn item(self, body: &PsiBody, mirrored: bool) -> Item {
         let model = &Body::bundled().model;
-        let in_camera = view.view.body_in_camera(&body.params, model);
+        let in_camera = self.view.body_in_camera(&body.params, model);
         let (params, world_from_camera) = if mirrored {
             let flip = Affine3A::from_mat3(FLIP);
-            (flipped(&in_camera, body.mirrored_pose, model), view.view.world_from_camera * flip)
+            (flipped(&in_camera, body.mirrored_pose, model), self.view.world_from_camera * flip)
         } else {
-            (in_camera, view.view.world_from_camera)
+            (in_camera, self.view.world_from_camera)
         };
-        let scene = scene_input(view, mirrored);
+        let scene = self.scene_input(mirrored);
         Item { scene, body: params.to_vector(), world_from_camera, room: body.room }
     }
+
+    /// As the network takes it, mirrored if asked for.
+    pub fn scene_input(mut self, mirrored: bool) -> SceneInput {
+        let max_depth_m = self.max_depth_m();
+        let [mut left, top, width, height] =
+            [self.valid.left, self.valid.top, self.valid.width, self.valid.height].map(|n| n as usize);
+        if mirrored {
+            left = SIDE - left - width;
+            self.depth_m.chunks_mut(SIDE).for_each(<[f32]>::reverse);
+            self.labels.chunks_mut(SIDE).for_each(<[u8]>::reverse);
+        }
+        SceneInput {
+            depth_m: self.depth_m,
+            labels: self.labels,
+            valid: ValidArea { left, top, width, height },
+            max_depth_m,
+            focal: Projection::new(&self.view.intrinsics, max_depth_m).scale,
+        }
+    }
+}
+
+/// The body's joints without hands, world frame.
+fn joints_of(params: &BodyParams) -> Vec<Vec3> {
+    let mut workspace = Workspace::default();
+    Body::bundled().forward_joints(params, &mut workspace);
+    workspace.joints()[..=BODY_JOINTS].to_vec()
 }
 
 /// The body's mirror image in the camera's frame.
@@ -171,33 +293,4 @@ fn flipped(body: &BodyParams, pose: [f32; POSE], model: &BodyModel) -> BodyParam
     out.hands[..HANDS / 2].copy_from_slice(&body.hands[HANDS / 2..]);
     out.hands[HANDS / 2..].copy_from_slice(&body.hands[..HANDS / 2]);
     out
-}
-
-fn is_seen(view: &CorpusView, params: &BodyParams, model: &BodyModel) -> bool {
-    let deepest_m = max_depth_m(&view.depth_mm);
-    let z = view.view.body_in_camera(params, model).translation.z;
-    (NEAREST_M..=deepest_m).contains(&z)
-}
-
-fn max_depth_m(depth_mm: &[u16]) -> f32 {
-    let deepest = f32::from(depth_mm.iter().copied().max().unwrap_or(0)) * 1e-3;
-    if deepest > 0.0 { deepest.min(CLIP_M) } else { CLIP_M }
-}
-
-/// The picture as the network takes it, mirrored if asked for.
-pub fn scene_input(view: &CorpusView, mirrored: bool) -> SceneInput {
-    let from = |at: usize| if mirrored { at - at % SIDE + SIDE - 1 - at % SIDE } else { at };
-    let max_depth_m = max_depth_m(&view.depth_mm);
-    let depth = |at: usize| (f32::from(view.depth_mm[from(at)]) * 1e-3).min(CLIP_M);
-    let intrinsics = &view.view.intrinsics;
-    let [left, top, width, height] =
-        [view.valid.left, view.valid.top, view.valid.width, view.valid.height].map(|n| n as usize);
-    let left = if mirrored { SIDE - left - width } else { left };
-    SceneInput {
-        depth_m: (0..SIDE * SIDE).map(depth).collect(),
-        labels: (0..SIDE * SIDE).map(|at| view.labels[from(at)]).collect(),
-        valid: ValidArea { left, top, width, height },
-        max_depth_m,
-        focal: Projection::new(intrinsics, max_depth_m).scale,
-    }
 }

@@ -17,7 +17,7 @@ mod train;
 
 pub use checkpoint::{TrainError, TrainingState};
 pub use config::{Annealing, LossPreset, LossWeights, PsiTraining, RateSchedule};
-pub use data::{Augment, Item, PsiBody, PsiData, scene_input};
+pub use data::{Augment, Item, PsiBody, PsiData};
 pub use history::{History, HistoryRow};
 pub use scene_loss::{SceneLoss, SceneLossValue};
 pub use train::{TrainingInput, evaluate_reconstruction, reconstruction_error, train};

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::adversary::Projector;
 use super::checkpoint::{TrainError, TrainingState};
+use super::config::PsiTraining;
 use super::data::{Augment, Item, PsiBody, PsiData};
 use super::history::HistoryRow;
 use super::loss::{self, Target};
@@ -113,7 +114,8 @@ fn epoch(
     let seed = Seed::root(state.training.seed).child("epoch", state.epoch as u64);
     let mut order: Vec<usize> = (0..data.train.len()).collect();
     order.shuffle(&mut seed.child("order", 0).rng());
-    let augment = Augment { mirror: state.training.mirror, depth_noise: state.training.depth_noise };
+    let PsiTraining { mirror, turn_deg, depth_noise, .. } = state.training;
+    let augment = Augment { mirror, turn_deg, depth_noise };
     let mut row = HistoryRow { epoch: state.epoch + 1, ..HistoryRow::default() };
     let steps = order.len().div_ceil(state.training.batch);
     for (step, chosen) in order.chunks(state.training.batch).enumerate() {
