@@ -384,7 +384,11 @@ mod tests {
                 let numeric =
                     (8.0 * (side(h) - side(-h)) - (side(2.0 * h) - side(-2.0 * h))) / (12.0 * f64::from(h));
                 let error = (f64::from(analytic[i]) - numeric).abs();
-                assert!(error < tolerance * (1.0 + numeric.abs()), "[{i}]: {} against {numeric}", analytic[i]);
+                assert!(
+                    error < tolerance * (1.0 + numeric.abs()),
+                    "[{i}]: {} against {numeric}",
+                    analytic[i]
+                );
             }
         }
     }
