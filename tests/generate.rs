@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use inhabit::assets::{Budget, read_model_bytes, sample_rooms};
-use inhabit::evolve::{PopulateRequest, Populated, populate};
-use inhabit::job::{JobCtx, Seed, Stop};
+use inhabit::evolve::{OnCancel, PopulatePreview, PopulateRequest, Populated, populate};
+use inhabit::job::{JobCtx, Seed, Stop, Ticker};
 use inhabit::scene::{GeometryConfig, ImportOptions, Room, RoomGeometry, room_from_model};
 
 fn sample(key: &str) -> (Room, RoomGeometry) {
@@ -45,6 +45,32 @@ fn people_in_the_bedroom_are_held_do_not_sink_in_and_do_different_things() {
     let bodies = |p: &Populated| p.people.iter().map(|p| p.person.clone()).collect::<Vec<_>>();
     assert_eq!(bodies(&found), bodies(&again), "the same seed on one thread and on two");
     assert_ne!(bodies(&found), bodies(&people(&room, &geometry, 2, 2)));
+}
+
+#[test]
+fn a_cancel_keeps_who_is_there_where_that_is_asked_for_and_drops_them_elsewhere() {
+    let (room, geometry) = sample("bedroom");
+    let cancelled_after_eight_fits = |on_cancel: OnCancel| {
+        let ticker = Ticker::silent();
+        let watched = ticker.clone();
+        let cx = JobCtx::watched(Seed::root(1), ticker).mapped(move |_: PopulatePreview| {
+            let progress = watched.progress();
+            if progress.stage == "fitting people" && progress.done >= 8 {
+                watched.cancel();
+            }
+        });
+        let request = PopulateRequest { people: 5, on_cancel, ..PopulateRequest::default() };
+        populate(&room, &geometry, &request, &cx)
+    };
+    let kept = cancelled_after_eight_fits(OnCancel::KeepBest).expect("people");
+    assert!(
+        (1..=5).contains(&kept.people.len()) && kept.fitted < 14,
+        "{} of {}",
+        kept.people.len(),
+        kept.fitted
+    );
+    assert!(kept.people.iter().all(|p| p.findings.is_empty()));
+    assert!(matches!(cancelled_after_eight_fits(OnCancel::Drop), Err(Stop::Cancelled)));
 }
 
 #[test]

@@ -27,8 +27,10 @@ use crate::scene::Person;
 use crate::scene::PersonId;
 use crate::scene::Room;
 
-/// How much of a ghost is seen.
+/// How much is seen of people being fitted.
 const GHOST_ALPHA: f32 = 0.45;
+/// How much is seen of the one candidate or earlier body that the user looks at.
+const SHOWN_ALPHA: f32 = 0.8;
 /// Ghosts are drawn this often on a software adapter.
 const GHOSTS_EVERY: Duration = Duration::from_millis(500);
 /// After this long without a move the picture is drawn at full quality.
@@ -221,7 +223,7 @@ impl Canvas {
             let id = GHOST_IDS + i as u32;
             let vertices = self.pose(&engine, id, &ghost.body);
             let mut draw = PersonDraw::new(PersonId(id), vertices, ghost.palette);
-            draw.alpha = GHOST_ALPHA;
+            draw.alpha = if state.ghosts.is_empty() { SHOWN_ALPHA } else { GHOST_ALPHA };
             people.push(draw);
         }
         let alive: Vec<u32> = people.iter().map(|p| p.id.0).collect();

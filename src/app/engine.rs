@@ -227,6 +227,8 @@ pub struct FitTask {
     pub geometry: Arc<RoomGeometry>,
     /// Who.
     pub people: Vec<Person>,
+    /// Whoever would end in one of these, or in somebody before them, is left out; nobody is when `None`.
+    pub clear_of: Option<Vec<Person>>,
     /// Whether it is known what they do ([`Person::family`] and [`Person::on`]); else it is found out.
     pub knows_family: bool,
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::actions;
 use super::engine::{FitTask, Made, Opened, Photo, PopulateTask, SampleMethod, Source};
 use super::rooms;
-use super::samples::{self, Fate, Origin};
+use super::samples::{self, Origin};
 use super::selection::Item;
 use super::state::{EditorState, Leaving, Overlay};
 use crate::document::Command;
@@ -369,7 +369,7 @@ impl EditorState {
         }
         let ids = people.iter().map(|person| person.id).collect();
         let room = scene.room.clone();
-        let task = FitTask { room, geometry, people, knows_family: true };
+        let task = FitTask { room, geometry, people, clear_of: None, knows_family: true };
         self.start_fitting("Settle".to_owned(), task, ids, None);
     }
 
@@ -409,7 +409,7 @@ impl EditorState {
                 }
                 let populating = self.jobs.populate.take();
                 if let Some(source) = populating.and_then(|p| p.source) {
-                    self.settle_cards(&source.cards, Fate::Open);
+                    self.settle_cards(&source.cards, &[]);
                 }
                 self.jobs.wanted = None;
             }
@@ -574,8 +574,8 @@ impl EditorState {
         self.ghosts.clear();
         let made = self.taken(&name, outcome);
         if let Some(source) = &source {
-            let fate = if made.is_some() { Fate::Accepted } else { Fate::Open };
-            self.settle_cards(&source.cards, fate);
+            let people = made.as_ref().map_or(&[][..], |made| made.people.as_slice());
+            self.settle_cards(&source.cards, people);
         }
         if let Some(made) = made {
             self.take_in(made, version, replacing, source);

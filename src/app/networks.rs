@@ -1,12 +1,16 @@
 //! The bundled networks' cards and training curves, read once out of what ships with the program.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 use serde_json::Value;
 
 use super::engine::{Curve, NetworkCard};
 use crate::assets::Weights;
-use crate::body::pose_prior_file;
+use crate::body::PoseDecoder;
+use crate::generate::learned::LearnedMethod;
+use crate::generate::learned::LearnedSampler;
+use crate::nn::psi::PsiMethod;
 
 /// Every bundled network.
 pub fn cards() -> Arc<[NetworkCard]> {
@@ -16,19 +20,56 @@ pub fn cards() -> Arc<[NetworkCard]> {
 
 fn all() -> Vec<NetworkCard> {
     let prior = include_str!("../../assets/networks/pose_prior.md");
-    vec![card("Pose prior", prior, pose_prior_file())]
+    let notes = PoseDecoder::bundled_weights().map(|weights| weights.notes).unwrap_or_default();
+    let mut cards = vec![card("Pose prior", prior.to_owned(), &notes)];
+    for method in LearnedMethod::ALL {
+        let Some(file) = LearnedSampler::bundled_file(method) else { continue };
+        let label = method.label();
+        let notes = Weights::from_bytes(&label, file).map(|weights| weights.notes).unwrap_or_default();
+        cards.push(card(name_of(method), text_of(method).to_owned(), &notes));
+    }
+    cards
+}
+
+/// Name for people.
+fn name_of(method: LearnedMethod) -> &'static str {
+    match (method.network, method.scene_loss) {
+        (PsiMethod::S1, false) => "S1",
+        (PsiMethod::S1, true) => "S1 with scene loss",
+        (PsiMethod::S2, false) => "S2",
+        (PsiMethod::S2, true) => "S2 with scene loss",
+        (PsiMethod::Baseline, _) => "Baseline",
+    }
+}
+
+/// The card that ships beside the weights.
+fn text_of(method: LearnedMethod) -> &'static str {
+    match (method.network, method.scene_loss) {
+        (PsiMethod::S1, false) => include_str!("../../assets/networks/s1.md"),
+        (PsiMethod::S1, true) => include_str!("../../assets/networks/s1_hs.md"),
+        (PsiMethod::S2, false) => include_str!("../../assets/networks/s2.md"),
+        (PsiMethod::S2, true) => include_str!("../../assets/networks/s2_hs.md"),
+        (PsiMethod::Baseline, _) => include_str!("../../assets/networks/baseline.md"),
+    }
 }
 
 /// A card with the curves that the weights' own notes hold.
-fn card(name: &str, text: &str, file: &[u8]) -> NetworkCard {
-    let notes = Weights::from_bytes(name, file).map(|weights| weights.notes).unwrap_or_default();
+fn card(name: &str, text: String, notes: &BTreeMap<String, String>) -> NetworkCard {
     let curves = notes.values().flat_map(|note| curves_of(note)).collect();
-    NetworkCard { name: name.to_owned(), text: text.to_owned(), curves }
+    NetworkCard { name: name.to_owned(), text, curves }
 }
 
-/// The curves of a note that is a list of records, each with a step or an epoch and some numbers.
+/// The curves of a note that is a list of records, each with a step or an epoch and some numbers; those that
+/// are 0 all along, for terms that a network does not have, are left out.
 fn curves_of(note: &str) -> Vec<Curve> {
-    let Ok(Value::Array(records)) = serde_json::from_str(note) else { return Vec::new() };
+    let records = match serde_json::from_str(note) {
+        Ok(Value::Array(records)) => records,
+        Ok(Value::Object(of)) => match of.into_iter().find(|(_, value)| value.is_array()) {
+            Some((_, Value::Array(records))) => records,
+            _ => return Vec::new(),
+        },
+        _ => return Vec::new(),
+    };
     let mut curves: Vec<Curve> = Vec::new();
     for record in records.iter().filter_map(Value::as_object) {
         let Some(at) = ["epoch", "step"].iter().find_map(|key| record.get(*key)?.as_f64()) else { continue };
@@ -40,6 +81,7 @@ fn curves_of(note: &str) -> Vec<Curve> {
             }
         }
     }
+    curves.retain(|curve| curve.points.iter().any(|point| point[1] != 0.0));
     curves
 }
 
@@ -51,7 +93,8 @@ mod tests {
     fn every_bundled_network_says_how_it_was_trained_and_shows_that_it_learned() {
         for card in cards().iter() {
             assert!(card.text.contains("inhabit train"), "{} names no command", card.name);
-            let loss = card.curves.iter().find(|curve| curve.name.contains("loss")).expect(&card.name);
+            let is_loss = |curve: &&Curve| curve.name.contains("loss") || curve.name == "reconstruction";
+            let loss = card.curves.iter().find(is_loss).expect(&card.name);
             let (first, last) = (loss.points[0], loss.points[loss.points.len() - 1]);
             assert!(last[0] > first[0] && last[1] < first[1], "{}: {first:?} to {last:?}", card.name);
         }

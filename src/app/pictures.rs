@@ -2,13 +2,19 @@
 
 use std::sync::OnceLock;
 
-use egui::{Color32, ColorImage, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2};
+use egui::{
+    Color32, ColorImage, Pos2, Rect, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
+};
 
 use crate::generate::sensor::SIDE;
 use crate::generate::sensor::SceneImage;
+use crate::generate::sensor::Valid;
 use crate::generate::sensor::category_of;
 use crate::render::Picture;
 use crate::scene::Category;
+
+/// All of a picture.
+const WHOLE: Rect = Rect { min: Pos2::ZERO, max: pos2(1.0, 1.0) };
 
 /// A picture and its texture.
 #[derive(Clone)]
@@ -16,6 +22,8 @@ pub struct Shown {
     image: ColorImage,
     /// Pixels stay sharp: they mean something.
     sharp: bool,
+    /// The part that is shown, in shares of the whole.
+    part: Rect,
     texture: OnceLock<TextureHandle>,
 }
 
@@ -29,34 +37,35 @@ impl From<Picture> for Shown {
     fn from(picture: Picture) -> Self {
         let size = [picture.width as usize, picture.height as usize];
         let image = ColorImage::from_rgba_unmultiplied(size, &picture.rgba);
-        Self { image, sharp: false, texture: OnceLock::new() }
+        Self { image, sharp: false, part: WHOLE, texture: OnceLock::new() }
     }
 }
 
 impl Shown {
-    fn of_pixels(color: impl Fn(usize) -> Color32) -> Self {
+    /// The part of a network's image that is not padding.
+    fn of_pixels(valid: &Valid, color: impl Fn(usize) -> Color32) -> Self {
         let pixels = (0..SIDE * SIDE).map(color).collect();
-        Self { image: ColorImage::new([SIDE, SIDE], pixels), sharp: true, texture: OnceLock::new() }
+        let share = |pixels: u32| pixels as f32 / SIDE as f32;
+        let corner = pos2(share(valid.left), share(valid.top));
+        let part = Rect::from_min_size(corner, vec2(share(valid.width), share(valid.height)));
+        Self { image: ColorImage::new([SIDE, SIDE], pixels), sharp: true, part, texture: OnceLock::new() }
     }
 
-    /// Depth from near (bright) to far (dark), on the scale that the networks take it by; padding is `empty`.
-    pub fn of_depth(seen: &SceneImage, empty: Color32) -> Self {
-        let mask = seen.valid.mask();
-        Self::of_pixels(|i| {
-            let share = seen.depth_m[i] / seen.max_depth_m.max(f32::MIN_POSITIVE);
-            if mask[i] { depth_color(share) } else { empty }
-        })
+    /// Depth from near (bright) to far (dark), on the scale that the networks take it by.
+    pub fn of_depth(seen: &SceneImage) -> Self {
+        let far_m = seen.max_depth_m.max(f32::MIN_POSITIVE);
+        Self::of_pixels(&seen.valid, |i| depth_color(seen.depth_m[i] / far_m))
     }
 
-    /// What is seen, a colour for each kind of thing; padding is `empty`.
-    pub fn of_labels(seen: &SceneImage, empty: Color32) -> Self {
-        let mask = seen.valid.mask();
-        Self::of_pixels(|i| if mask[i] { label_color(seen.labels[i]) } else { empty })
+    /// What is seen, a colour for each kind of thing.
+    pub fn of_labels(seen: &SceneImage) -> Self {
+        Self::of_pixels(&seen.valid, |i| label_color(seen.labels[i]))
     }
 
     /// Width over height.
     pub fn aspect(&self) -> f32 {
-        self.image.size[0] as f32 / self.image.size[1].max(1) as f32
+        let size = vec2(self.image.size[0] as f32, self.image.size[1] as f32) * self.part.size();
+        size.x / size.y.max(f32::MIN_POSITIVE)
     }
 
     /// Puts it into `ui`; `name` is for those who can't see it.
@@ -71,15 +80,19 @@ impl Shown {
     }
 
     /// Paints it into a rectangle.
-    pub fn paint(&self, ui: &Ui, rect: egui::Rect) {
+    pub fn paint(&self, ui: &Ui, rect: Rect) {
         self.paint_tinted(ui, rect, Color32::WHITE);
     }
 
     /// Paints it into a rectangle, each pixel times `tint`.
-    pub fn paint_tinted(&self, ui: &Ui, rect: egui::Rect, tint: Color32) {
+    pub fn paint_tinted(&self, ui: &Ui, rect: Rect, tint: Color32) {
         let options = if self.sharp { TextureOptions::NEAREST } else { TextureOptions::LINEAR };
         let load = || ui.ctx().load_texture("picture", self.image.clone(), options);
-        egui::Image::new(self.texture.get_or_init(load)).corner_radius(3.0).tint(tint).paint_at(ui, rect);
+        egui::Image::new(self.texture.get_or_init(load))
+            .uv(self.part)
+            .corner_radius(3.0)
+            .tint(tint)
+            .paint_at(ui, rect);
     }
 }
 

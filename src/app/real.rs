@@ -41,6 +41,7 @@ use crate::render::BodySurface;
 use crate::render::Cutaway;
 use crate::render::Picture;
 use crate::render::SceneDraw;
+use crate::render::Shown;
 use crate::render::person_glb;
 use crate::render::picture;
 use crate::render::room_views;
@@ -58,6 +59,9 @@ use crate::scene::understand;
 
 /// Size of the picture of a new room in pixels.
 const OVERVIEW: [u32; 2] = [800, 480];
+
+/// Behind it: neither glaring on a dark page nor a hole in a light one.
+const OVERVIEW_GROUND: [u8; 3] = [104, 109, 116];
 
 /// The program's own engine.
 #[derive(Default)]
@@ -195,6 +199,8 @@ impl Engine for RealEngine {
         let scene = Scene { room: room.clone(), people: Vec::new() };
         let mut draw = SceneDraw::of_room(&scene);
         draw.look.cutaway = Cutaway::Outside;
+        draw.look.grid = Shown::No;
+        draw.look.background = OVERVIEW_GROUND;
         let [camera, _] = room_views(room, width as f32 / height as f32);
         Ok(picture(&draw, &camera, OVERVIEW, Backend::Auto)?)
     }

@@ -103,8 +103,7 @@ pub struct Seen {
 impl Seen {
     /// With pictures of it.
     pub fn new(image: SceneImage) -> Self {
-        let padding = egui::Color32::TRANSPARENT;
-        let (depth, labels) = (Shown::of_depth(&image, padding), Shown::of_labels(&image, padding));
+        let (depth, labels) = (Shown::of_depth(&image), Shown::of_labels(&image));
         Self { image, depth, labels }
     }
 }
@@ -342,22 +341,24 @@ impl EditorState {
         let mut cards = Vec::new();
         for card in self.sheet.cards.iter_mut().filter(wanted) {
             card.fate = Fate::Fitting;
-            cards.push(card.key);
+            cards.push((card.key, card.person.id));
             people.push(card.person.clone());
         }
         if people.is_empty() {
             return;
         }
         let first = self.document.next_person();
-        for (number, person) in (first..).zip(&mut people) {
+        for ((number, person), card) in (first..).zip(&mut people).zip(&mut cards) {
             person.id = PersonId(number);
+            card.1 = person.id;
             person.name = format!("Person {}", number + 1);
             person.palette = number;
         }
         let method = self.sheet.made_by;
         let knows_family = method == SampleMethod::Search;
         let room = self.document.scene().room.clone();
-        let task = FitTask { room, geometry, people, knows_family };
+        let clear_of = Some(self.document.scene().people.clone());
+        let task = FitTask { room, geometry, people, clear_of, knows_family };
         let count = cards.len();
         let name = if count == 1 { "Fit candidate".to_owned() } else { format!("Fit {count} candidates") };
         let source = Source { method, seen: self.sheet.seen.clone(), cards };
@@ -365,11 +366,12 @@ impl EditorState {
         self.start_fitting(name, task, Vec::new(), Some(source));
     }
 
-    /// The cards of a fit that has ended: accepted, or open again.
-    pub(super) fn settle_cards(&mut self, keys: &[u64], fate: Fate) {
-        for key in keys {
+    /// The cards of a fit that has ended: accepted where somebody came of it, open again elsewhere.
+    pub(super) fn settle_cards(&mut self, cards: &[(u64, PersonId)], made: &[Person]) {
+        for (key, id) in cards {
+            let there = made.iter().any(|person| person.id == *id);
             if let Some(card) = self.sheet.card_mut(*key) {
-                card.fate = fate;
+                card.fate = if there { Fate::Accepted } else { Fate::Open };
             }
         }
     }
@@ -408,7 +410,8 @@ impl EditorState {
 pub(super) struct Source {
     pub method: SampleMethod,
     pub seen: Option<Arc<Seen>>,
-    pub cards: Vec<u64>,
+    /// Cards and the numbers that their people have in the task.
+    pub cards: Vec<(u64, PersonId)>,
 }
 
 /// Number to rank by: findings first, each by how far it is beyond its limit.

@@ -13,6 +13,7 @@ use crate::evolve::PopulatePreview;
 use crate::evolve::RefinePreview;
 use crate::evolve::RefineRequest;
 use crate::evolve::Refined;
+use crate::evolve::clear_of_others;
 use crate::evolve::family_of;
 use crate::evolve::refine;
 use crate::fit::FitConfig;
@@ -61,6 +62,8 @@ const PROPOSALS_PER_CANDIDATE: usize = 3;
 const ROUNDS: u64 = 4;
 /// Side of a candidate's picture in pixels.
 const PORTRAIT: u32 = 128;
+/// Report pictures leave air around a body; a small one has to fill its frame.
+const CLOSER: f32 = 0.85;
 /// What lies farther from a person than this is left out of the picture, metres.
 const NEAR_M: f32 = 1.5;
 
@@ -234,7 +237,31 @@ fn measured(
 /// # Errors
 /// Cancelled.
 pub fn fit(task: &FitTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop> {
-    if task.knows_family { fit_known(task, cx) } else { fit_guessed(task, cx) }
+    let made = if task.knows_family { fit_known(task, cx) } else { fit_guessed(task, cx) }?;
+    Ok(match &task.clear_of {
+        Some(there) => without_meetings(there, made),
+        None => made,
+    })
+}
+
+fn kept<T>(all: Vec<T>, clear: &[bool]) -> Vec<T> {
+    all.into_iter().zip(clear).filter(|(_, clear)| **clear).map(|(one, _)| one).collect()
+}
+
+/// Leaves out whoever would end in somebody who is there or who was accepted before.
+fn without_meetings(there: &[Person], made: Made) -> Made {
+    let bodies = |people: &[Person]| people.iter().map(|p| p.body.clone()).collect::<Vec<BodyParams>>();
+    let clear = clear_of_others(&bodies(there), &bodies(&made.people));
+    let left_out = clear.iter().filter(|clear| !**clear).count();
+    let shortfall = (left_out > 0)
+        .then(|| format!("{left_out} of {} left out: they would end in somebody else.", made.people.len()));
+    Made {
+        people: kept(made.people, &clear),
+        reports: kept(made.reports, &clear),
+        energies: kept(made.energies, &clear),
+        before: kept(made.before, &clear),
+        shortfall,
+    }
 }
 
 fn fit_guessed(task: &FitTask, cx: &JobCtx<PopulatePreview>) -> Result<Made, Stop> {
@@ -307,6 +334,7 @@ pub fn portrait(
         room.objects.iter().filter(|object| meets(&object.world_bounds(), &around)).cloned().collect();
     let near = Room { objects, ..room.clone() };
     let camera = person_views(&vertices, &geometry.bvh, 1, 1.0).into_iter().next().unwrap_or_default();
+    let camera = Camera { fov_y: camera.fov_y * CLOSER, ..camera };
     let mut draw = SceneDraw::of_room(&Scene { room: Arc::new(near), people: Vec::new() });
     draw.body = Some(surface.clone());
     draw.people = vec![PersonDraw::new(person.id, vertices.into(), person.palette)];

@@ -720,8 +720,10 @@ fn why_like_this_shows_what_was_seen_and_the_body_before_the_fit() {
     user.waits(|state| !state.jobs.any_running());
     let person = user.state().document.scene().people[0].clone();
     user.presses(Modifiers::SHIFT, Key::W);
-    user.harness.get_by_label("Depth: how far away things are");
-    user.harness.get_by_label("Kinds of things");
+    for shown in ["Depth: how far away things are", "Kinds of things"] {
+        let panels = user.harness.query_all_by_label(shown).count();
+        assert_eq!(panels, 2, "{shown}: beside the sampler's settings and in the answer");
+    }
     user.presses(Modifiers::NONE, Key::B);
     let ghosts = user.state().shown_ghosts();
     assert_eq!(ghosts[0].body.translation.y, 1.0, "as it was sampled");

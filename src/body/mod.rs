@@ -32,7 +32,7 @@ pub use model::{BodyModel, BodyModelError};
 pub use parts::{BodyPart, BodyParts, Seams, part_at};
 pub use pose_decoder::PoseDecoder;
 pub use pose_space::{BodyPose, PoseSpace, PoseTape};
-pub use posed::{Body, Posed, pose_prior_file};
+pub use posed::{Body, Posed};
 pub use regions::{ContactRegions, Region};
 pub use retarget::{RetargetError, retarget};
 pub use skin_moments::{POSE_TREE, PoseFigure, SkinMoments, carrier, vertex_areas};

@@ -17,13 +17,7 @@ use super::subset::VertexSubset;
 use super::workspace::Workspace;
 
 const BODY_NPZ: &[u8] = include_bytes!("../../assets/body/body.npz");
-const POSE_PRIOR: &[u8] = include_bytes!("../../assets/networks/pose_prior.safetensors");
 const HAND_SPACE: &str = include_str!("../../assets/body/hand_space.ron");
-
-/// The weight file of the bundled pose prior: its notes tell how it was trained.
-pub fn pose_prior_file() -> &'static [u8] {
-    POSE_PRIOR
-}
 
 /// A body model with the spaces its pose codes live in: all that turns 75 numbers into a person.
 pub struct Body {

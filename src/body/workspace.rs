@@ -377,12 +377,18 @@ mod tests {
                     body.forward(&BodyParams::from_vector(&moved), &subset, &mut ws);
                     energy(&ws, &at, &joints_at, &local_at)
                 };
-                // Five-point stencil: a long step drowns f32's rounding, the fourth order its curvature.
-                let h = 0.04;
+                // Five-point stencil: a long step drowns f32's rounding, the fourth order its curvature. The pose
+                // space's slope has small kinks, which long steps would cross.
+                let is_pose = (19..51).contains(&i);
+                let (h, tolerance) = if is_pose { (0.01, 5e-3) } else { (0.04, 2e-3) };
                 let numeric =
                     (8.0 * (side(h) - side(-h)) - (side(2.0 * h) - side(-2.0 * h))) / (12.0 * f64::from(h));
                 let error = (f64::from(analytic[i]) - numeric).abs();
-                assert!(error < 2e-3 * (1.0 + numeric.abs()), "[{i}]: {} against {numeric}", analytic[i]);
+                assert!(
+                    error < tolerance * (1.0 + numeric.abs()),
+                    "[{i}]: {} against {numeric}",
+                    analytic[i]
+                );
             }
         }
     }

@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 
-use crate::fit::BoneSphere;
-use crate::scene::PoseFamily;
+use crate::body::{Body, Workspace};
+use crate::fit::{BoneSphere, bone_spheres};
+use crate::scene::{BodyParams, PoseFamily};
 
 /// Skin and clothes between two people's bone spheres, beyond the spheres' own radii, which are those of the
 /// thinnest flesh around each bone.
@@ -45,6 +46,28 @@ impl Occupied {
             other.spheres.iter().any(|(b, rb)| a.distance_squared(*b) < (ra + rb + APART_M).powi(2))
         })
     }
+}
+
+/// Which of `bodies` keep clear of those `there` and of those before them that do.
+pub fn clear_of_others(there: &[BodyParams], bodies: &[BodyParams]) -> Vec<bool> {
+    let body = Body::bundled();
+    let bones = bone_spheres(body);
+    let space = |params: &BodyParams| {
+        let mut workspace = Workspace::default();
+        body.forward_joints(params, &mut workspace);
+        Occupied::new(&bones, workspace.joints())
+    };
+    let mut taken: Vec<Occupied> = there.iter().map(space).collect();
+    let mut clear = Vec::with_capacity(bodies.len());
+    for params in bodies {
+        let own = space(params);
+        let free = !taken.iter().any(|other| own.meets(other));
+        if free {
+            taken.push(own);
+        }
+        clear.push(free);
+    }
+    clear
 }
 
 /// What the choice needs to know of a candidate or of somebody chosen.
@@ -104,6 +127,13 @@ mod tests {
             occupied: Occupied { spheres: vec![(middle, 0.1)], middle, reach_m: 0.1 },
             cost,
         }
+    }
+
+    #[test]
+    fn of_two_in_one_place_the_first_stays_and_whoever_is_there_stays_before_both() {
+        let at = |x: f32| BodyParams { translation: Vec3::new(x, 0.9, 0.0), ..BodyParams::default() };
+        assert_eq!(clear_of_others(&[], &[at(0.0), at(0.2), at(3.0)]), [true, false, true]);
+        assert_eq!(clear_of_others(&[at(0.1)], &[at(0.0), at(3.0)]), [false, true]);
     }
 
     #[test]

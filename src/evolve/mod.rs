@@ -8,6 +8,7 @@ mod populate;
 mod populate_learned;
 mod refine;
 
+pub use choose::clear_of_others;
 pub use estimate::{EstimateRequest, EstimatedPerson, EstimatorKind, estimate_person, mean_code, pinhole};
 pub use populate::{OnCancel, PopulatePreview, PopulateRequest, Populated, PopulatedPerson, populate};
 pub use populate_learned::{LearnedRequest, populate_learned};

@@ -62,7 +62,8 @@ fn agrees_with_differences(config: &FitConfig, height_m: f32, tolerance: f32) {
 
 #[test]
 fn the_gradient_of_our_energy_agrees_with_finite_differences() {
-    agrees_with_differences(&FitPreset::Rescue.into(), 0.75, 0.02);
+    // The field's slope jumps from cell to cell, and some of the skin crosses a border within the step.
+    agrees_with_differences(&FitPreset::Rescue.into(), 0.75, 0.03);
 }
 
 #[test]

@@ -88,6 +88,11 @@ impl LearnedSampler {
         Ok(slots[at].get_or_init(|| fresh))
     }
 
+    /// The weight file of a bundled network: its notes tell how it was trained.
+    pub fn bundled_file(method: LearnedMethod) -> Option<&'static [u8]> {
+        BUNDLED.iter().find(|(of, _)| *of == method).map(|(_, file)| *file)
+    }
+
     /// Whether this build has the network.
     pub fn is_bundled(method: LearnedMethod) -> bool {
         BUNDLED.iter().any(|(of, _)| *of == method)

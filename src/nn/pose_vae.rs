@@ -409,10 +409,11 @@ mod tests {
                 }
                 energy(&moved, &batch)
             };
-            let numeric = (moved(0.01) - moved(-0.01)) / 0.02;
+            // A short step: the leaky ReLUs have kinks.
+            let numeric = (moved(0.003) - moved(-0.003)) / 0.006;
             let error = (numeric - f64::from(length)).abs();
             // A bias in front of a batch norm moves nothing but rounding.
-            assert!(error < 2e-3 + 0.02 * f64::from(length), "{name}: {length} against {numeric}");
+            assert!(error < 4e-3 + 0.03 * f64::from(length), "{name}: {length} against {numeric}");
         }
     }
 

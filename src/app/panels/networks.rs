@@ -3,7 +3,7 @@
 use egui::{RichText, Ui};
 use egui_plot::{Legend, Line, Plot, PlotPoints};
 
-use crate::app::engine::NetworkCard;
+use crate::app::engine::{Curve, NetworkCard};
 use crate::app::state::{EditorState, Overlay};
 
 /// Draws the page of the network with this number.
@@ -36,7 +36,7 @@ fn curves(ui: &mut Ui, card: &NetworkCard) {
         .legend(Legend::default())
         .height(220.0)
         .allow_scroll(false)
-        .x_axis_label("epoch")
+        .x_axis_label(if counts_steps(card) { "step" } else { "epoch" })
         .y_axis_label("log10 of loss");
     plot.show(ui, |plot| {
         for curve in &card.curves {
@@ -44,6 +44,12 @@ fn curves(ui: &mut Ui, card: &NetworkCard) {
             plot.line(Line::new(&curve.name, PlotPoints::from(points)).width(1.6));
         }
     });
+}
+
+/// Nobody trains so many epochs: the numbers are steps.
+fn counts_steps(card: &NetworkCard) -> bool {
+    let last = |curve: &Curve| curve.points.last().is_some_and(|point| point[0] > 400.0);
+    card.curves.iter().any(last)
 }
 
 /// The few marks that the cards use: headings, lists, tables, and plain paragraphs.
@@ -76,11 +82,17 @@ fn markdown(ui: &mut Ui, text: &str) {
 }
 
 fn show_table(ui: &mut Ui, number: usize, rows: &[Vec<&str>]) {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1);
+    let width = (ui.available_width() / columns as f32 - 16.0).max(40.0);
     egui::Grid::new(("card table", number)).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {
         for (i, row) in rows.iter().enumerate() {
             for cell in row {
                 let text = RichText::new(*cell).small();
-                ui.label(if i == 0 { text.weak() } else { text });
+                // Long cells are broken into lines: the page stays as wide as it is.
+                ui.vertical(|ui| {
+                    ui.set_width(width);
+                    ui.label(if i == 0 { text.weak() } else { text });
+                });
             }
             ui.end_row();
         }

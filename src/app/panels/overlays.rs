@@ -51,8 +51,12 @@ fn window(
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
         .default_width(width.min(ctx.content_rect().width() - 40.0))
+        .max_width(width.min(ctx.content_rect().width() - 40.0))
         .show(ctx, |ui| {
-            ScrollArea::vertical().max_height(height).show(ui, |ui| contents(ui, state));
+            ScrollArea::vertical()
+                .max_height(height)
+                .min_scrolled_height(height)
+                .show(ui, |ui| contents(ui, state));
         });
     if !open {
         state.overlay = Overlay::None;

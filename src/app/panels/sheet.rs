@@ -25,7 +25,7 @@ pub fn sheet(ui: &mut Ui, state: &mut EditorState) {
         return;
     }
     heading(ui, state);
-    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
             for number in 0..state.sheet.cards.len() {
@@ -113,16 +113,22 @@ fn paint(ui: &Ui, card: &Card, number: usize, rect: Rect, palette: &Palette) {
         font.clone(),
         light,
     );
-    let (mark, color) = match (card.fate, faults) {
-        (Fate::Accepted, _) => ("in the room".to_owned(), palette.good),
-        (Fate::Fitting, _) => ("fitting".to_owned(), palette.warn),
-        (_, 0) => (String::new(), palette.good),
-        (_, n) => (n.to_string(), palette.warn),
-    };
+    let color = if faults == 0 { palette.good } else { palette.warn };
     painter.circle_filled(strip.right_center() - vec2(9.0, 0.0), 3.5, color);
-    painter.text(strip.right_center() - vec2(16.0, 0.0), Align2::RIGHT_CENTER, mark, font.clone(), light);
-    if card.fate != Fate::Open {
-        painter.rect_filled(rect, 3.0, Color32::from_black_alpha(90));
+    if faults > 0 {
+        let place = strip.right_center() - vec2(16.0, 0.0);
+        painter.text(place, Align2::RIGHT_CENTER, faults.to_string(), font.clone(), light);
+    }
+    let fate = match card.fate {
+        Fate::Open => "",
+        Fate::Fitting => "being fitted",
+        Fate::Accepted => "in the room",
+    };
+    if !fate.is_empty() {
+        painter.rect_filled(rect, 3.0, Color32::from_black_alpha(120));
+        let pill = Rect::from_center_size(rect.center(), vec2(78.0, 20.0));
+        painter.rect_filled(pill, 10.0, palette.accent);
+        painter.text(pill.center(), Align2::CENTER_CENTER, fate, font.clone(), palette.on_accent);
     }
     let corner = Rect::from_min_size(rect.left_top(), vec2(20.0, 16.0));
     painter.rect_filled(corner, 3.0, Color32::from_black_alpha(150));

@@ -71,9 +71,7 @@ fn fit_curves(ui: &mut Ui, state: &EditorState, person: &Person) {
             ui.label(
                 RichText::new("Each term of the loss over the iterations; lower is better.").small().weak(),
             );
-            ui.allocate_ui(vec2(ui.available_width(), 150.0), |ui| {
-                super::energies::curves(ui, "why curves", &energies);
-            });
+            super::energies::small_curves(ui, "why curves", &energies, 130.0);
         }
         None => {
             ui.weak("No fit of this session belongs to the body as it is now.");
@@ -102,10 +100,11 @@ pub fn images(ui: &mut Ui, seen: &Seen) {
         ui.spacing_mut().item_spacing.x = 8.0;
         let both = [(&seen.depth, "Depth: how far away things are"), (&seen.labels, "Kinds of things")];
         for (picture, name) in both {
-            let response = picture.show(ui, vec2(side, side), Sense::hover(), name);
+            let size = |width: f32| vec2(width, width / picture.aspect().clamp(0.25, 4.0));
+            let response = picture.show(ui, size(side), Sense::hover(), name);
             response.on_hover_ui(|ui| {
-                ui.label(name);
-                picture.show(ui, vec2(384.0, 384.0), Sense::hover(), name);
+                ui.label(format!("{name}. The networks get it as 128 x 128 pixels."));
+                picture.show(ui, size(384.0), Sense::hover(), name);
             });
         }
     });
@@ -126,7 +125,8 @@ fn legend(ui: &mut Ui, seen: &Seen) {
     });
 }
 
-fn entry(ui: &mut Ui, color: Color32, text: RichText) -> egui::Response {
+/// A coloured square and what it stands for.
+pub fn entry(ui: &mut Ui, color: Color32, text: RichText) -> egui::Response {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let (rect, _) = ui.allocate_exact_size(vec2(10.0, 12.0), Sense::hover());

@@ -93,6 +93,11 @@ fn walls_and_pieces_are_watertight_and_face_outwards() {
         (item: Wardrobe(size: (1.0, 2.0, 0.6), doors: 3, case: (9, 9, 9), front: (9, 9, 9)), name: "Wardrobe", category: "cabinet", at: (-1.4, 0.0, 0.9), yaw_deg: 90.0),
         (item: Monitor(width_m: 0.55), name: "Monitor", category: "tv monitor", at: (0.2, 0.0, -0.9), on: Some("Desk")),
         (item: Keyboard, name: "Keyboard", category: "objects", at: (0.2, 0.0, -0.7), on: Some("Desk")),
+        (item: Sofa(size: (1.4, 0.8, 0.85), seat_m: 0.42, seats: 2, arm_m: 0.15, fabric: (9, 9, 9), wood: (9, 9, 9)), name: "Sofa", category: "couch", at: (1.1, 0.0, 1.0), yaw_deg: 180.0),
+        (item: Bed(size: (0.9, 0.5, 1.9), headboard_m: 1.0, cover: (9, 9, 9), wood: (9, 9, 9)), name: "Bed", category: "bed", at: (-0.6, 0.0, 0.3)),
+        (item: Pouf(size: (0.5, 0.4, 0.5), fabric: (9, 9, 9)), name: "Pouf", category: "stool", at: (0.3, 0.0, 0.4)),
+        (item: Bench(size: (1.0, 0.45, 0.4), fabric: (9, 9, 9), wood: (9, 9, 9)), name: "Bench", category: "seating", at: (1.3, 0.0, 0.2)),
+        (item: Shelf(size: (0.8, 1.4, 0.3), boards: 4, color: (9, 9, 9)), name: "Shelf", category: "shelving", at: (1.5, 0.0, -1.2)),
         (item: Books([(9, 9, 9), (99, 9, 9)]), name: "Books", category: "objects", at: (0.9, 0.0, -0.8), on: Some("Desk")),
     ],
 )"#;
