@@ -648,7 +648,7 @@ fn candidates_come_ranked_and_nobody_is_in_the_room_before_one_is_accepted() {
 fn an_accepted_candidate_is_fitted_selected_and_taken_back_by_one_undo() {
     let mut user = User::opens_the_study();
     user.samples(3);
-    user.harness.get_by_label("Accept candidate 2").click();
+    user.harness.get_by_label("Accept candidate 2").click_accesskit();
     user.sees();
     user.waits(|state| !state.jobs.any_running());
     assert_eq!(user.people(), 1);
@@ -675,9 +675,9 @@ fn a_re_roll_leaves_locked_and_accepted_candidates_alone() {
     let mut user = User::opens_the_study();
     user.samples(4);
     let before = user.candidates();
-    user.harness.get_by_label("Lock candidate 1").click();
+    user.harness.get_by_label("Lock candidate 1").click_accesskit();
     user.sees();
-    user.harness.get_by_label("Accept candidate 2").click();
+    user.harness.get_by_label("Accept candidate 2").click_accesskit();
     user.sees();
     user.waits(|state| !state.jobs.any_running());
     user.presses(Modifiers::SHIFT, Key::F9);
@@ -685,7 +685,7 @@ fn a_re_roll_leaves_locked_and_accepted_candidates_alone() {
     let after = user.candidates();
     assert_eq!(after[..2], before[..2]);
     assert!(after[2] != before[2] && after[3] != before[3], "{before:?} {after:?}");
-    user.harness.get_by_label("Re-roll candidate 3").click();
+    user.harness.get_by_label("Re-roll candidate 3").click_accesskit();
     user.sees();
     user.waits(|state| !state.jobs.any_running());
     let last = user.candidates();
