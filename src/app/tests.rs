@@ -649,6 +649,7 @@ fn an_accepted_candidate_is_fitted_selected_and_taken_back_by_one_undo() {
     let mut user = User::opens_the_study();
     user.samples(3);
     user.harness.get_by_label("Accept candidate 2").click();
+    user.sees();
     user.waits(|state| !state.jobs.any_running());
     assert_eq!(user.people(), 1);
     let person = user.state().document.scene().people[0].clone();
@@ -677,6 +678,7 @@ fn a_re_roll_leaves_locked_and_accepted_candidates_alone() {
     user.harness.get_by_label("Lock candidate 1").click();
     user.sees();
     user.harness.get_by_label("Accept candidate 2").click();
+    user.sees();
     user.waits(|state| !state.jobs.any_running());
     user.presses(Modifiers::SHIFT, Key::F9);
     user.waits(|state| !state.jobs.any_running());
@@ -684,6 +686,7 @@ fn a_re_roll_leaves_locked_and_accepted_candidates_alone() {
     assert_eq!(after[..2], before[..2]);
     assert!(after[2] != before[2] && after[3] != before[3], "{before:?} {after:?}");
     user.harness.get_by_label("Re-roll candidate 3").click();
+    user.sees();
     user.waits(|state| !state.jobs.any_running());
     let last = user.candidates();
     assert!(last[2] != after[2] && last[3] == after[3]);

@@ -188,7 +188,7 @@ fn csv_line(row: &MethodRow) -> String {
     };
     let room = quoted(row.room.as_deref().unwrap_or(""));
     let figures = row.figures.as_ref().map_or_else(
-        || "0".to_owned() + &",".repeat(12),
+        || "0".to_owned() + &",".repeat(13),
         |f| {
             let PhysicalRow { bodies, diverse_bodies, .. } = f;
             format!(

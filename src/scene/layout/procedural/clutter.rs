@@ -65,7 +65,8 @@ fn books(dice: &mut Dice) -> Thing {
 }
 
 fn put(dice: &mut Dice, room: &mut Furnishing, index: usize, thing: Thing) {
-    let side = Vec2::splat(thing.size.x.max(thing.size.z) * 1.05);
+    // Things are turned freely: the square about the circle about them.
+    let side = Vec2::splat(thing.size.x.hypot(thing.size.z) * 1.02);
     let top = &room.tops[index];
     let free = top.rect.size() * 0.5 - side * 0.5 - TO_EDGE_M;
     if free.min_element() < 0.0 {

@@ -486,6 +486,7 @@ fn computer(dice: &mut Dice, palette: &Palette, group: &mut Group, desk: usize, 
     let put = |group: &mut Group, thing: Thing, x: f32, z: f32| {
         group.rest_if_free(thing, at + Vec2::new(x, z * toward), user_deg, desk);
     };
+    let taken_half_m;
     if dice.chance(55) {
         let width_m = dice.between(0.48, 0.64);
         let screens = if size.x > 1.5 && dice.chance(30) { 2 } else { 1 };
@@ -495,16 +496,22 @@ fn computer(dice: &mut Dice, palette: &Palette, group: &mut Group, desk: usize, 
                 Thing::made(Item::Monitor { width_m }, "Monitor", "tv monitor", (width_m, 0.45, 0.2));
             put(group, monitor, x, -size.z * 0.5 + 0.16);
         }
+        taken_half_m = (screens as f32 * (width_m + 0.02)) * 0.5;
         let keyboard = Thing::made(Item::Keyboard, "Keyboard", "objects", (0.43, 0.02, 0.13));
         put(group, keyboard, 0.0, size.z * 0.5 - 0.24);
     } else {
         let laptop = Thing::made(Item::Laptop, "Laptop", "objects", (0.33, 0.23, 0.3));
         put(group, laptop, dice.between(-0.1, 0.1), 0.0);
+        taken_half_m = 0.1 + 0.33 * 0.5;
     }
     if dice.chance(45) {
         let lamp = any_of(dice, stock::DESK_LAMPS, "Desk lamp", "lighting", palette);
         let side = if dice.chance(50) { 1.0 } else { -1.0 };
-        put(group, lamp, side * (size.x * 0.5 - 0.22), -size.z * 0.5 + 0.2);
+        let away_m = size.x * 0.5 - 0.22;
+        // Small desks under wide screens have no place for a lamp.
+        if away_m - lamp.size.x * 0.5 > taken_half_m {
+            put(group, lamp, side * away_m, -size.z * 0.5 + 0.2);
+        }
     }
 }
 
