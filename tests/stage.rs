@@ -9,8 +9,6 @@ fn stage(out: &Path, people: &str, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_inhabit"));
     command.args(["stage", "--without-samples", "--quiet", "--sheet", "0", "--views", "1"]);
     command.args(["--people", people, "--out"]).arg(out).args(arguments);
-    // Fields go to a cache of the test's own, beside the corpus.
-    command.env("INHABIT_CACHE_DIR", out.with_extension("cache"));
     command.output().expect("runs")
 }
 

@@ -181,16 +181,6 @@ impl Group {
         }
     }
 
-    /// Adds something that stands on the group's thing `base`, unless something stands there already.
-    pub fn rest_if_free(&mut self, thing: Thing, at: Vec2, yaw_deg: f32, base: usize) {
-        let member = Member { thing, at, yaw_deg, held: Held::On(base) };
-        let rect = member.rect();
-        let taken = self.members.iter().any(|m| m.held == member.held && m.rect().grown(0.01).meets(rect));
-        if !taken {
-            self.members.push(member);
-        }
-    }
-
     /// Whether things of the group stand in each other.
     fn runs_into_itself(&self) -> bool {
         let rects: Vec<Rect> =

@@ -484,7 +484,7 @@ fn computer(dice: &mut Dice, palette: &Palette, group: &mut Group, desk: usize, 
     let at = group.members[desk].at;
     let toward = if user_deg == 0.0 { 1.0 } else { -1.0 };
     let put = |group: &mut Group, thing: Thing, x: f32, z: f32| {
-        group.rest_if_free(thing, at + Vec2::new(x, z * toward), user_deg, desk);
+        group.add(thing, at + Vec2::new(x, z * toward), user_deg, Held::On(desk));
     };
     let taken_half_m;
     if dice.chance(55) {
