@@ -344,16 +344,21 @@ pub fn wardrobe(dice: &mut Dice, palette: &Palette) -> Group {
     let thing = if dice.chance(40) {
         any_of(dice, stock::WARDROBES, "Wardrobe", "cabinet", palette)
     } else {
-        let doors = dice.count(2, 4);
-        let size =
-            (doors as f32 * dice.between(0.42, 0.52), dice.between(1.9, 2.25), dice.between(0.55, 0.64));
-        let item = Item::Wardrobe { size, doors: doors as u8, case: palette.wood, front: palette.wood_2 };
-        let mut thing = Thing::made(item, "Wardrobe", "cabinet", size);
-        // Handles stand out from the doors.
-        thing.size.z += 0.05;
-        thing
+        cupboard(dice, palette, "Wardrobe", [(0.42, 0.52), (1.9, 2.25), (0.55, 0.64)])
     };
     before_doors(thing)
+}
+
+/// A cupboard made to measure, of two to four doors: how wide a door, how high and how deep it may be, metres.
+fn cupboard(dice: &mut Dice, palette: &Palette, name: &str, ranges: [(f32, f32); 3]) -> Thing {
+    let doors = dice.count(2, 4);
+    let [door_m, height_m, depth_m] = ranges.map(|(least, most)| dice.between(least, most));
+    let size = (doors as f32 * door_m, height_m, depth_m);
+    let item = Item::Wardrobe { size, doors: doors as u8, case: palette.wood, front: palette.wood_2 };
+    let mut thing = Thing::made(item, name, "cabinet", size);
+    // Handles stand out from the doors.
+    thing.size.z += 0.05;
+    thing
 }
 
 /// A cupboard with the floor before it kept free.
@@ -370,13 +375,7 @@ pub fn chest(dice: &mut Dice, palette: &Palette) -> Group {
     let thing = if dice.chance(45) {
         any_of(dice, stock::DRESSERS, "Chest of drawers", "chest of drawers", palette)
     } else {
-        let doors = dice.count(2, 4);
-        let size =
-            (doors as f32 * dice.between(0.38, 0.5), dice.between(0.72, 0.95), dice.between(0.4, 0.48));
-        let item = Item::Wardrobe { size, doors: doors as u8, case: palette.wood, front: palette.wood_2 };
-        let mut thing = Thing::made(item, "Sideboard", "cabinet", size);
-        thing.size.z += 0.05;
-        thing
+        cupboard(dice, palette, "Sideboard", [(0.38, 0.5), (0.72, 0.95), (0.4, 0.48)])
     };
     let mut group = before_doors(thing);
     group.tops.push((0, Clutter::Chest));
