@@ -17,6 +17,37 @@ impl Default for AdamConfig {
     }
 }
 
+impl AdamConfig {
+    /// What one step does to each number; `steps` counts from 1 and includes it.
+    pub fn at_step(self, steps: i32) -> AdamStep {
+        AdamStep {
+            config: self,
+            correction1: 1.0 - self.beta1.powi(steps),
+            correction2: 1.0 - self.beta2.powi(steps),
+        }
+    }
+}
+
+/// One step of Adam with its bias corrections: the update rule, for whoever keeps values and moments.
+#[derive(Clone, Copy, Debug)]
+pub struct AdamStep {
+    config: AdamConfig,
+    correction1: f32,
+    correction2: f32,
+}
+
+impl AdamStep {
+    /// Moves one value and its two moments along gradient `g`; `scale` multiplies the step size.
+    pub fn apply(&self, value: &mut f32, first: &mut f32, second: &mut f32, g: f32, scale: f32) {
+        let AdamConfig { learning_rate, beta1, beta2, epsilon } = self.config;
+        *first = beta1 * *first + (1.0 - beta1) * g;
+        *second = beta2 * *second + (1.0 - beta2) * g * g;
+        let mean = *first / self.correction1;
+        let root = (*second / self.correction2).sqrt();
+        *value -= learning_rate * scale * mean / (root + epsilon);
+    }
+}
+
 /// Adam over a flat vector of parameters. One instance serves one optimisation: the moments of one
 /// body must never leak into the next (algorithms: fault 2 of the published fitting code).
 #[derive(Clone, Debug)]
@@ -37,16 +68,9 @@ impl Adam {
     /// (0 freezes it).
     pub fn step(&mut self, values: &mut [f32], gradient: &[f32], scale: &[f32]) {
         self.steps += 1;
-        let AdamConfig { learning_rate, beta1, beta2, epsilon } = self.config;
-        let correction1 = 1.0 - beta1.powi(self.steps);
-        let correction2 = 1.0 - beta2.powi(self.steps);
-        for i in 0..values.len() {
-            let g = gradient[i];
-            self.first[i] = beta1 * self.first[i] + (1.0 - beta1) * g;
-            self.second[i] = beta2 * self.second[i] + (1.0 - beta2) * g * g;
-            let mean = self.first[i] / correction1;
-            let root = (self.second[i] / correction2).sqrt();
-            values[i] -= learning_rate * scale[i] * mean / (root + epsilon);
+        let step = self.config.at_step(self.steps);
+        for (i, value) in values.iter_mut().enumerate() {
+            step.apply(value, &mut self.first[i], &mut self.second[i], gradient[i], scale[i]);
         }
     }
 

@@ -10,7 +10,7 @@ mod lbfgs;
 pub mod rotation;
 
 pub use aabb::Aabb;
-pub use adam::{Adam, AdamConfig};
+pub use adam::{Adam, AdamConfig, AdamStep};
 pub use eigen::symmetric_eigen;
 pub use kmeans::{KMeans, KMeansConfig, kmeans};
 pub use lbfgs::{LbfgsConfig, minimise};

@@ -39,9 +39,7 @@ impl NetworkAdam {
     /// entries; an empty one leaves its array alone.
     pub fn step(&mut self, params: &mut Params, gradients: &[Vec<f32>], rate: f32) {
         self.steps += 1;
-        let AdamConfig { learning_rate, beta1, beta2, epsilon } = self.config;
-        let steps = i32::try_from(self.steps).unwrap_or(i32::MAX);
-        let (correction1, correction2) = (1.0 - beta1.powi(steps), 1.0 - beta2.powi(steps));
+        let step = self.config.at_step(i32::try_from(self.steps).unwrap_or(i32::MAX));
         let arrays = params.entries_mut().par_iter_mut().zip(&mut self.moments).zip(gradients);
         arrays.for_each(|((entry, moments), gradient)| {
             if entry.role != Role::Trained || gradient.is_empty() {
@@ -49,10 +47,7 @@ impl NetworkAdam {
             }
             let numbers = entry.values.iter_mut().zip(&mut moments.first).zip(&mut moments.second);
             for (((value, first), second), g) in numbers.zip(gradient) {
-                *first = beta1 * *first + (1.0 - beta1) * g;
-                *second = beta2 * *second + (1.0 - beta2) * g * g;
-                let root = (*second / correction2).sqrt();
-                *value -= rate * learning_rate * (*first / correction1) / (root + epsilon);
+                step.apply(value, first, second, *g, rate);
             }
         });
     }
