@@ -3,21 +3,19 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 
 use super::load::{self, Loaded};
+use super::network::Network;
 use super::output::OutputFolder;
 use super::pictures::Photographer;
 use super::progress::run_job;
 use super::report::{BodyRow, GenerateReport, Seconds, Summary};
 use super::{Common, Ended, Method, WindowArguments, use_threads};
-use crate::assets::Weights;
 use crate::body::Body;
 use crate::document::{Project, save_project};
 use crate::evolve::{LearnedRequest, PopulateRequest, Populated, populate, populate_learned};
-use crate::generate::learned::{LearnedMethod, LearnedSampler};
 use crate::job::{JobCtx, Seed};
 use crate::nn::psi::PsiMethod;
 use crate::render::{BodySurface, person_glb};
@@ -170,36 +168,15 @@ pub fn run(arguments: &GenerateArguments) -> anyhow::Result<Ended> {
     })
 }
 
-/// Where proposals come from.
-enum Sampler {
-    Search,
-    Bundled(&'static LearnedSampler),
-    Own(Box<LearnedSampler>),
-}
-
-impl Sampler {
-    fn of(arguments: &GenerateArguments) -> anyhow::Result<Self> {
-        let network = match arguments.method {
-            Method::Search => return Ok(Self::Search),
-            Method::S1 => PsiMethod::S1,
-            Method::S2 => PsiMethod::S2,
-            Method::Baseline => PsiMethod::Baseline,
-        };
-        let Some(file) = &arguments.weights else {
-            return Ok(Self::Bundled(LearnedSampler::bundled(LearnedMethod::best_of(network))?));
-        };
-        let bytes = std::fs::read(file).with_context(|| format!("can't read {}", file.display()))?;
-        let own = LearnedSampler::from_weights(&Weights::from_bytes(&file.display().to_string(), &bytes)?)?;
-        Ok(Self::Own(Box::new(own)))
-    }
-
-    fn network(&self) -> Option<&LearnedSampler> {
-        match self {
-            Self::Search => None,
-            Self::Bundled(network) => Some(network),
-            Self::Own(network) => Some(network),
-        }
-    }
+/// The network that proposes, or none for the search.
+fn network_of(arguments: &GenerateArguments) -> anyhow::Result<Option<Network>> {
+    let method = match arguments.method {
+        Method::Search => return Ok(None),
+        Method::S1 => PsiMethod::S1,
+        Method::S2 => PsiMethod::S2,
+        Method::Baseline => PsiMethod::Baseline,
+    };
+    Network::of(method, arguments.weights.as_deref()).map(Some)
 }
 
 fn compute(arguments: &GenerateArguments, loaded: &Loaded) -> anyhow::Result<Option<Computed>> {
@@ -212,13 +189,13 @@ fn compute(arguments: &GenerateArguments, loaded: &Loaded) -> anyhow::Result<Opt
         next_id: loaded.people.iter().map(|p| p.id.0 + 1).max().unwrap_or(0),
         ..PopulateRequest::default()
     };
-    let sampler = Sampler::of(arguments)?;
+    let network = network_of(arguments)?;
     let work = move |cx: &JobCtx| {
         let started = Instant::now();
         let geometry = load::geometry(&room, cx.ticker())?;
         let field_seconds = started.elapsed().as_secs_f64();
         let cx = JobCtx::watched(cx.seed, cx.ticker().clone());
-        let populated = match sampler.network() {
+        let populated = match &network {
             None => populate(&room, &geometry, &request, &cx)?,
             Some(network) => {
                 let request = LearnedRequest { populate: request, ..LearnedRequest::default() };

@@ -13,6 +13,7 @@ mod generate;
 mod import;
 mod inspect;
 mod load;
+mod network;
 mod output;
 mod pictures;
 mod progress;

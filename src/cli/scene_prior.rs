@@ -3,11 +3,10 @@
 
 use std::path::Path;
 
-use anyhow::Context as _;
 use clap::ValueEnum;
 
-use crate::assets::Weights;
-use crate::generate::learned::{LearnedMethod, LearnedSampler};
+use super::network::Network;
+use crate::generate::learned::LearnedSampler;
 use crate::generate::sensor::{SceneImage, Sensor};
 use crate::job::{Seed, Stop, Ticker};
 use crate::learn::estimation::{SCENE_SAMPLES, scene_code_by_search};
@@ -37,10 +36,8 @@ impl PriorSource {
 pub enum ScenePrior {
     /// The affordance search.
     Search,
-    /// A network that came with the program.
-    Bundled(&'static LearnedSampler),
-    /// A network from a file.
-    Own(Box<LearnedSampler>),
+    /// A network of what a camera sees.
+    Network(Network),
 }
 
 impl ScenePrior {
@@ -52,12 +49,7 @@ impl ScenePrior {
         if source == PriorSource::Search {
             return Ok(Self::Search);
         }
-        let Some(file) = weights else {
-            return Ok(Self::Bundled(LearnedSampler::bundled(LearnedMethod::best_of(PsiMethod::S1))?));
-        };
-        let bytes = std::fs::read(file).with_context(|| format!("can't read {}", file.display()))?;
-        let own = LearnedSampler::from_weights(&Weights::from_bytes(&file.display().to_string(), &bytes)?)?;
-        Ok(Self::Own(Box::new(own)))
+        Ok(Self::Network(Network::of(PsiMethod::S1, weights)?))
     }
 
     /// Ready to be asked about views of one room.
@@ -73,8 +65,7 @@ impl ScenePrior {
     ) -> Result<RoomPrior<'_>, Stop> {
         Ok(match self {
             Self::Search => RoomPrior::Same(scene_code_by_search(room, sensor.geometry(), seed, ticker)?),
-            Self::Bundled(network) => RoomPrior::OfView(network, seed),
-            Self::Own(network) => RoomPrior::OfView(network, seed),
+            Self::Network(network) => RoomPrior::OfView(network, seed),
         })
     }
 }

@@ -1,10 +1,8 @@
 //! `inhabit evaluate pose-prior`: reconstruction of held-out poses, samples of the prior, interpolations.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::Args;
 use glam::Vec3;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -12,10 +10,11 @@ use rayon::prelude::*;
 
 use super::super::clips::read_clips;
 use super::super::figures::figure_sheet;
+use super::super::network::read_weights;
 use super::super::output::OutputFolder;
 use super::super::train::curve::curve_png;
 use super::super::{Common, Ended, use_threads};
-use crate::assets::{PoseClip, Weights, encode_png};
+use crate::assets::{PoseClip, encode_png};
 use crate::body::{Body, BodyPose, PoseDecoder, PoseSpace, worst_excess};
 use crate::job::{Seed, Ticker};
 use crate::learn::{PoseCorpus, PoseCorpusConfig, PoseGroup, PosePriorPoint};
@@ -56,10 +55,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Ended> {
     }
     let body = Body::bundled();
     let weights = match &arguments.weights {
-        Some(file) => {
-            let bytes = fs::read(file).with_context(|| format!("can't read {}", file.display()))?;
-            Weights::from_bytes(&file.display().to_string(), &bytes)?
-        }
+        Some(file) => read_weights(file)?,
         None => PoseDecoder::bundled_weights()?,
     };
     if let Some(curve) = weights.notes.get("curve") {

@@ -10,9 +10,10 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::charts::charts;
-use crate::assets::{self, Weights};
+use crate::assets;
 use crate::body::Body;
 use crate::cli::corpus::{read_manifest, read_room, read_room_model};
+use crate::cli::network::read_weights;
 use crate::cli::output::OutputFolder;
 use crate::cli::progress::run_job;
 use crate::cli::{Common, Ended, load, use_threads};
@@ -285,9 +286,7 @@ fn method(subject: Subject, weights: Option<&Path>) -> anyhow::Result<MethodToEv
     if !file.is_file() {
         return Ok(missing(format!("there is no {}", file.display())));
     }
-    let bytes = fs::read(&file).with_context(|| format!("can't read {}", file.display()))?;
-    let weights = Weights::from_bytes(&file.display().to_string(), &bytes)?;
-    let sampler = Arc::new(LearnedSampler::from_weights(&weights)?);
+    let sampler = Arc::new(LearnedSampler::from_weights(&read_weights(&file)?)?);
     Ok(learned(Box::new(LearnedPlacement(sampler.clone())), Box::new(LearnedPlacement(sampler))))
 }
 

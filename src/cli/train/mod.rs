@@ -5,9 +5,14 @@ mod hand_space;
 mod pose_prior;
 mod psi;
 
+use std::fs;
+use std::path::Path;
+
+use anyhow::Context as _;
 use clap::Subcommand;
 
 use super::Ended;
+use crate::assets::Weights;
 
 /// What can be learned.
 #[derive(Subcommand, Debug)]
@@ -30,4 +35,10 @@ pub fn run(subject: &Train) -> anyhow::Result<Ended> {
         Train::HandSpace(arguments) => hand_space::run(arguments),
         Train::Psi(arguments) => psi::run(arguments),
     }
+}
+
+/// The state of an earlier run.
+fn read_checkpoint(file: &Path) -> anyhow::Result<Weights> {
+    let bytes = fs::read(file).with_context(|| format!("can't read the checkpoint {}", file.display()))?;
+    Ok(Weights::from_bytes(&file.display().to_string(), &bytes)?)
 }

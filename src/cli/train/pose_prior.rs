@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Ended> {
     let clips = read_clips(&arguments.corpus)?;
     let (count, frames) = (clips.len(), clips.iter().map(|c| c.frames.len()).sum::<usize>());
     let checkpoint = arguments.out.with_extension("checkpoint.safetensors");
-    let resume = arguments.resume.then(|| read_weights(&checkpoint)).transpose()?;
+    let resume = arguments.resume.then(|| super::read_checkpoint(&checkpoint)).transpose()?;
     let mut config = PosePriorConfig::default();
     config.steps = arguments.steps.unwrap_or(config.steps);
     config.loss.position = arguments.position_weight.unwrap_or(config.loss.position);
@@ -79,9 +79,4 @@ fn train(
         PoseCorpus::new(clips, model, PoseCorpusConfig::default(), cx.seed.child("corpus", 0), cx.ticker())?;
     let mut save = |weights: &Weights| Ok(fs::write(checkpoint, weights.to_bytes(Precision::Full)?)?);
     train_pose_prior(&corpus, model, config, resume, &mut save, cx)
-}
-
-fn read_weights(path: &Path) -> anyhow::Result<Weights> {
-    let bytes = fs::read(path).with_context(|| format!("can't read the checkpoint {}", path.display()))?;
-    Ok(Weights::from_bytes(&path.display().to_string(), &bytes)?)
 }

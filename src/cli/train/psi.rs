@@ -115,7 +115,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> anyhow::Result<Ended> {
     use_threads(arguments.common.threads)?;
     let training = arguments.training();
-    let resume = arguments.resume.as_deref().map(read_weights).transpose()?;
+    let resume = arguments.resume.as_deref().map(super::read_checkpoint).transpose()?;
     let (corpus, files) = (arguments.corpus.clone(), Files::new(arguments));
     let seed = Seed::root(arguments.common.seed);
     let work = move |cx: &JobCtx| train_network(&training, &corpus, resume.as_ref(), &files, cx);
@@ -262,11 +262,6 @@ fn read_field(folder: &Path, entry: &RoomEntry, ticker: &Ticker) -> Result<Signe
         Err(_) => ControlFlow::Break(()),
     };
     bake_cached(&triangles, &corpus_geometry().field, &step).map_err(|_| Stop::Cancelled)
-}
-
-fn read_weights(path: &Path) -> anyhow::Result<Weights> {
-    let bytes = fs::read(path).with_context(|| format!("can't read the checkpoint {}", path.display()))?;
-    Ok(Weights::from_bytes(&path.display().to_string(), &bytes)?)
 }
 
 fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
