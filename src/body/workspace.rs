@@ -174,6 +174,14 @@ impl Body {
         self.forward_axis_angles(params, &pose, workspace);
     }
 
+    /// The 55 joints of a body, metres, world frame; where many are asked for, keep a workspace and call
+    /// [`Body::forward_joints`].
+    pub fn joints(&self, params: &BodyParams) -> [Vec3; JOINTS] {
+        let mut workspace = Workspace::default();
+        self.forward_joints(params, &mut workspace);
+        *workspace.joints()
+    }
+
     /// Poses the joints with these axis-angles of the body joints in place of the pose code.
     fn forward_axis_angles(&self, params: &BodyParams, pose: &BodyPose, workspace: &mut Workspace) {
         let ws = workspace;

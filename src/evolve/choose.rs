@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::body::{Body, Workspace};
+use crate::body::Body;
 use crate::fit::{BoneSphere, bone_spheres};
 use crate::scene::{BodyParams, PoseFamily};
 
@@ -52,11 +52,7 @@ impl Occupied {
 pub fn clear_of_others(there: &[BodyParams], bodies: &[BodyParams]) -> Vec<bool> {
     let body = Body::bundled();
     let bones = bone_spheres(body);
-    let space = |params: &BodyParams| {
-        let mut workspace = Workspace::default();
-        body.forward_joints(params, &mut workspace);
-        Occupied::new(&bones, workspace.joints())
-    };
+    let space = |params: &BodyParams| Occupied::new(&bones, &body.joints(params));
     let mut taken: Vec<Occupied> = there.iter().map(space).collect();
     let mut clear = Vec::with_capacity(bodies.len());
     for params in bodies {

@@ -8,7 +8,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::choose::{self, Entry, Occupied};
-use crate::body::{Body, Workspace};
+use crate::body::Body;
 use crate::fit::{BoneSphere, FitConfig, Fitter, Surroundings, Trace, bone_spheres};
 use crate::generate::{Proposal, SearchRequest, search};
 use crate::inspect::{BodyReport, Finding, Limits, Site, inspect_body};
@@ -126,41 +126,66 @@ pub fn populate(
     request: &PopulateRequest,
     cx: &JobCtx<PopulatePreview>,
 ) -> Result<Populated, Stop> {
+    let round = |missing: usize, seed: Seed| {
+        let started = Instant::now();
+        let proposals = propose(room, geometry, request, missing, seed, cx)?;
+        let generate_seconds = started.elapsed().as_secs_f64();
+        let (candidates, all) = fit_all(geometry, request, proposals, cx);
+        Ok(Round { candidates, all, generate_seconds })
+    };
+    in_rounds(request, cx.seed, round, |people, fitted| {
+        format!(
+            "{people}: of {fitted} fitted proposals no other was held by something, free of penetration and clear \
+             of the others. Give the room more free floor or seats, allow more pose families, or try another seed"
+        )
+    })
+}
+
+/// What one round of proposing and fitting brought.
+pub(super) struct Round {
+    /// Fitted, measured, not yet chosen from.
+    pub candidates: Vec<Candidate>,
+    /// Whether that is all, or the user cancelled meanwhile.
+    pub all: Result<(), Cancelled>,
+    /// Time spent on proposals.
+    pub generate_seconds: f64,
+}
+
+/// Chooses people from rounds until enough are there. `round` is told how many are missing; `shortfall` words what
+/// to do when they stay so, from "N of M people" and the number of fits.
+pub(super) fn in_rounds(
+    request: &PopulateRequest,
+    seed: Seed,
+    round: impl Fn(usize, Seed) -> Result<Round, Stop>,
+    shortfall: impl FnOnce(String, usize) -> String,
+) -> Result<Populated, Stop> {
     let body = Body::bundled();
     let bones = bone_spheres(body);
     let mut chosen: Vec<Entry> =
         request.existing.iter().map(|p| entry_of_existing(body, &bones, p)).collect();
     let mut result = Populated::default();
-    for round in 0..ROUNDS {
+    for number in 0..ROUNDS {
         let missing = request.people - result.people.len();
         if missing == 0 {
             break;
         }
-        let seed = cx.seed.child("round", round);
         let started = Instant::now();
-        let proposals = match propose(room, geometry, request, missing, seed, cx) {
-            Ok(proposals) => proposals,
-            Err(_) if !result.people.is_empty() => return stopped(request, result),
-            Err(cancelled) => return Err(cancelled.into()),
+        let Round { candidates, all, generate_seconds } = match round(missing, seed.child("round", number)) {
+            Ok(round) => round,
+            Err(Stop::Cancelled) => return stopped(request, result),
+            Err(failed) => return Err(failed),
         };
-        result.generate_seconds += started.elapsed().as_secs_f64();
-        let started = Instant::now();
-        let (candidates, all) = fit_all(geometry, request, proposals, cx);
         result.fitted += candidates.len();
         take_best(body, &bones, candidates, request, &mut chosen, &mut result);
-        result.fit_seconds += started.elapsed().as_secs_f64();
+        result.generate_seconds += generate_seconds;
+        result.fit_seconds += started.elapsed().as_secs_f64() - generate_seconds;
         if all.is_err() {
             return stopped(request, result);
         }
     }
     let found = result.people.len();
     if found < request.people {
-        result.shortfall = Some(format!(
-            "{found} of {} people: of {} fitted proposals no other was held by something, free of penetration and \
-             clear of the others. Give the room more free floor or seats, allow more pose families, or try \
-             another seed",
-            request.people, result.fitted
-        ));
+        result.shortfall = Some(shortfall(format!("{found} of {} people", request.people), result.fitted));
     }
     Ok(result)
 }
@@ -194,10 +219,8 @@ fn propose(
     search(room, geometry, Body::bundled(), &wanted, seed, cx.ticker())
 }
 
-pub(super) fn entry_of_existing(body: &Body, bones: &[BoneSphere], person: &Person) -> Entry {
-    let mut workspace = Workspace::default();
-    body.forward_joints(&person.body, &mut workspace);
-    let occupied = Occupied::new(bones, workspace.joints());
+fn entry_of_existing(body: &Body, bones: &[BoneSphere], person: &Person) -> Entry {
+    let occupied = Occupied::new(bones, &body.joints(&person.body));
     Entry { family: person.family, support: None, occupied, cost: 0.0 }
 }
 
@@ -245,7 +268,7 @@ fn fit_all(
 }
 
 /// Moves the best candidates that fit together into the result, until enough are there or none is left.
-pub(super) fn take_best(
+fn take_best(
     body: &Body,
     bones: &[BoneSphere],
     candidates: Vec<Candidate>,
@@ -285,8 +308,6 @@ fn acceptable_entry(
     if !limits.findings(site, metrics).is_empty() {
         return None;
     }
-    let mut workspace = Workspace::default();
-    body.forward_joints(&candidate.params, &mut workspace);
     let cost = candidate.proposal.cost
         + 40.0 * (1.0 - metrics.psi_non_collision)
         + metrics.penetration_max_mm / 25.0
@@ -294,7 +315,7 @@ fn acceptable_entry(
     Some(Entry {
         family: candidate.proposal.family,
         support: candidate.proposal.support,
-        occupied: Occupied::new(bones, workspace.joints()),
+        occupied: Occupied::new(bones, &body.joints(&candidate.params)),
         cost,
     })
 }

@@ -4,11 +4,10 @@ use std::time::Instant;
 
 use glam::Vec3;
 
-use super::choose::Entry;
-use super::populate::{Candidate, PopulatePreview, PopulateRequest, Populated, entry_of_existing, take_best};
+use super::populate::{Candidate, PopulatePreview, PopulateRequest, Populated, Round, in_rounds};
 use super::refine::{RefineRequest, Refined, refine};
-use crate::body::{Body, Workspace};
-use crate::fit::bone_spheres;
+use crate::body::Body;
+use crate::body::joints::PELVIS;
 use crate::generate::Proposal;
 use crate::generate::learned::LearnedSampler;
 use crate::generate::sensor::{AgentConfig, SceneImage, Sensor, View, agent_views};
@@ -17,8 +16,6 @@ use crate::scene::{BodyParams, Room, RoomGeometry};
 
 /// Samples refined for each person asked for, in each round: some are beyond rescue, and choice makes variety.
 const SAMPLES_PER_PERSON: usize = 3;
-/// Rounds before fewer people than asked for are reported.
-const ROUNDS: u64 = 4;
 /// Samples drawn for each that is refined when only some places will do.
 const DRAWS_NEAR: usize = 8;
 /// With a point asked for, only samples this near come into question, metres; as in the search.
@@ -57,35 +54,24 @@ pub fn populate_learned(
     request: &LearnedRequest,
     cx: &JobCtx<PopulatePreview>,
 ) -> Result<Populated, Stop> {
-    let body = Body::bundled();
-    let (bones, wanted) = (bone_spheres(body), &request.populate);
+    let wanted = &request.populate;
     let started = Instant::now();
     let images = look(room, geometry, request, cx)?;
-    let mut chosen: Vec<Entry> = wanted.existing.iter().map(|p| entry_of_existing(body, &bones, p)).collect();
-    let mut result = Populated { generate_seconds: started.elapsed().as_secs_f64(), ..Populated::default() };
-    for round in 0..ROUNDS {
-        let missing = wanted.people - result.people.len();
-        if missing == 0 {
-            break;
-        }
-        let seed = cx.seed.child("round", round);
+    let look_seconds = started.elapsed().as_secs_f64();
+    let round = |missing: usize, seed: Seed| {
         let started = Instant::now();
         let samples = sample(sampler, &images, wanted.at, SAMPLES_PER_PERSON * missing + 4, seed, cx)?;
-        result.generate_seconds += started.elapsed().as_secs_f64();
-        let started = Instant::now();
+        let generate_seconds = started.elapsed().as_secs_f64();
         let candidates = refined(room, geometry, &samples, wanted, seed, cx)?;
-        result.fitted += candidates.len();
-        take_best(body, &bones, candidates, wanted, &mut chosen, &mut result);
-        result.fit_seconds += started.elapsed().as_secs_f64();
-    }
-    let found = result.people.len();
-    if found < wanted.people {
-        result.shortfall = Some(format!(
-            "{found} of {} people: of {} refined samples no other was held by something, free of penetration and \
-             clear of the others. Look from other views, allow more pose families, or use --method search",
-            wanted.people, result.fitted
-        ));
-    }
+        Ok(Round { candidates, all: Ok(()), generate_seconds })
+    };
+    let mut result = in_rounds(wanted, cx.seed, round, |people, fitted| {
+        format!(
+            "{people}: of {fitted} refined samples no other was held by something, free of penetration and clear of \
+             the others. Look from other views, allow more pose families, or use --method search"
+        )
+    })?;
+    result.generate_seconds += look_seconds;
     Ok(result)
 }
 
@@ -126,7 +112,8 @@ fn sample(
         samples.extend(sampler.sample(image, draws, seed, cx.ticker(), &mut |_| ())?);
     }
     if let Some(at) = at {
-        let away = |body: &BodyParams| ((pelvis(body) - at) * Vec3::new(1.0, 0.0, 1.0)).length();
+        let pelvis = |params: &BodyParams| Body::bundled().joints(params)[PELVIS];
+        let away = |params: &BodyParams| ((pelvis(params) - at) * Vec3::new(1.0, 0.0, 1.0)).length();
         samples.retain(|body| away(body) < NEAR_M);
     }
     samples.truncate(count.max(1) * 2);
@@ -160,10 +147,4 @@ fn refined(
         seconds: r.seconds,
     };
     Ok(all.into_iter().filter(allowed).enumerate().map(candidate).collect())
-}
-
-fn pelvis(params: &BodyParams) -> Vec3 {
-    let mut workspace = Workspace::default();
-    Body::bundled().forward_joints(params, &mut workspace);
-    workspace.joints()[0]
 }

@@ -14,8 +14,8 @@ use super::corpus::{
     corpus_geometry,
 };
 use crate::assets::{Budget, Model, read_model_bytes, sample_rooms};
+use crate::body::Body;
 use crate::body::joints::BODY_JOINTS;
-use crate::body::{Body, Workspace};
 use crate::fit::{FitConfig, Fitter, Surroundings};
 use crate::generate::sensor::{
     AgentConfig, Sensor, View, VirtualCameraConfig, agent_views, virtual_cameras, visible_share,
@@ -263,10 +263,8 @@ fn fitted(
     if !findings.is_empty() || code > LIKELY_CODE {
         return Ok(None);
     }
-    let mut workspace = Workspace::default();
-    body.forward_joints(&fitted.params, &mut workspace);
     Ok(Some(Staged {
-        joints: workspace.joints()[..=BODY_JOINTS].to_vec(),
+        joints: body.joints(&fitted.params)[..=BODY_JOINTS].to_vec(),
         params: fitted.params,
         family: proposal.family,
         cost: proposal.cost + metrics.penetration_max_mm / 25.0 + metrics.joint_limit_deg / 20.0,

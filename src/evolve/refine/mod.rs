@@ -19,8 +19,8 @@ use rayon::prelude::*;
 use self::coarse::{Coarse, Reach, Spot, Start};
 use self::guess::Posture;
 use self::shape::Shaper;
+use crate::body::Body;
 use crate::body::joints::PELVIS;
-use crate::body::{Body, Workspace};
 use crate::fit::{FitConfig, FitPreset, Fitted, Fitter, Objective, Surroundings, Trace};
 use crate::generate::{Place, all_places};
 use crate::inspect::{BodyReport, Finding, Limits, Site, inspect_body};
@@ -245,7 +245,8 @@ impl<'a> Refiner<'a> {
         let fitted =
             self.fitter.fit(&around, &start.params, start.family, &self.request.fit, cx.ticker(), show)?;
         let (report, findings) = self.measure(index, &fitted.params);
-        let moved_m = self.pelvis(sample).distance(self.pelvis(&fitted.params));
+        let pelvis = |params: &BodyParams| self.body.joints(params)[PELVIS];
+        let moved_m = pelvis(sample).distance(pelvis(&fitted.params));
         Ok(Attempt { start, fitted, report, findings, moved_m })
     }
 
@@ -262,21 +263,13 @@ impl<'a> Refiner<'a> {
             self.request.limits.findings(Site { body: index as u32, frame: None }, &report.metrics);
         (report, findings)
     }
-
-    fn pelvis(&self, params: &BodyParams) -> Vec3 {
-        let mut workspace = Workspace::default();
-        self.body.forward_joints(params, &mut workspace);
-        workspace.joints()[0]
-    }
 }
 
 /// What a body seems to do, from its posture and its height above what lies below it. Seats and walls are not looked
 /// at: everybody who sits with bent knees sits on a chair, and everybody upright stands.
 pub fn family_of(geometry: &RoomGeometry, body: &Body, params: &BodyParams) -> PoseFamily {
-    let mut workspace = Workspace::default();
-    body.forward_joints(params, &mut workspace);
-    let joints = workspace.joints();
-    Posture::of(joints, &params.rotation()).family(height_over_m(geometry, joints[PELVIS]))
+    let joints = body.joints(params);
+    Posture::of(&joints, &params.rotation()).family(height_over_m(geometry, joints[PELVIS]))
 }
 
 /// From a point down to the first surface below it, metres; infinite where nothing is.

@@ -54,9 +54,7 @@ impl<'a> Shaper<'a> {
 
     /// Joints of a body, world frame.
     pub fn joints(&self, params: &BodyParams) -> [Vec3; JOINTS] {
-        let mut workspace = Workspace::default();
-        self.body.forward_joints(params, &mut workspace);
-        *workspace.joints()
+        self.body.joints(params)
     }
 
     /// The shape of a body that rests as its family does.

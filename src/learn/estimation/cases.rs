@@ -1,7 +1,8 @@
 //! Cases of a room: the people in it, each seen by virtual cameras around them.
 
 use super::study::Case;
-use crate::body::{Body, Workspace};
+use crate::body::Body;
+use crate::body::joints::BODY_JOINTS;
 use crate::evolve::mean_code;
 use crate::generate::sensor::{VirtualCameraConfig, virtual_cameras};
 use crate::generate::{SearchRequest, search};
@@ -24,12 +25,10 @@ pub fn cases_of_room(
 ) -> Vec<Case> {
     let body = Body::bundled();
     let config = VirtualCameraConfig { most: views_each, ..VirtualCameraConfig::default() };
-    let mut workspace = Workspace::default();
     let mut cases = Vec::new();
     for (index, (truth, family)) in people.iter().enumerate() {
-        body.forward_joints(truth, &mut workspace);
-        let views =
-            virtual_cameras(geometry, &workspace.joints()[..22], &config, seed.child("views", index as u64));
+        let joints = &body.joints(truth)[..=BODY_JOINTS];
+        let views = virtual_cameras(geometry, joints, &config, seed.child("views", index as u64));
         for view in views {
             let number = first + cases.len() as u64;
             let truth = truth.clone();

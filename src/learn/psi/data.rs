@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::assets::content_hash;
 use crate::body::joints::BODY_JOINTS;
-use crate::body::{Body, BodyModel, BodyPose, Workspace};
+use crate::body::{Body, BodyModel, BodyPose};
 use crate::generate::sensor::{Projection, SIDE, Valid, View};
 use crate::job::{Cancelled, Rng, Seed, Ticker};
 use crate::learn::corpus::{Corpus, CorpusPerson, CorpusView, Split};
@@ -278,9 +278,7 @@ impl Picture {
 
 /// The body's joints without hands, world frame.
 fn joints_of(params: &BodyParams) -> Vec<Vec3> {
-    let mut workspace = Workspace::default();
-    Body::bundled().forward_joints(params, &mut workspace);
-    workspace.joints()[..=BODY_JOINTS].to_vec()
+    Body::bundled().joints(params)[..=BODY_JOINTS].to_vec()
 }
 
 /// The body's mirror image in the camera's frame.
