@@ -9,6 +9,7 @@ pub mod layout;
 mod bvh;
 mod camera;
 mod category;
+mod clip;
 mod columns;
 mod export;
 mod field;
@@ -24,6 +25,9 @@ mod tree;
 pub use bvh::{Closest, Hit, PACKET, PacketCaster, PacketHits, TriangleBvh, closest_on_triangle};
 pub use camera::Camera;
 pub use category::Category;
+pub use clip::{
+    CLIP_FPS, Clip, ClipId, FRAME_JOINTS, Frame, GoalPose, Leg, SubGoal, SubGoalId, direction_of, facing_of,
+};
 pub use export::model_from_room;
 pub use field::{FieldConfig, Resolution, SignedDistanceField, bake, bake_cached};
 pub use floor::{WalkableFloor, Walker};
