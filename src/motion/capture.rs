@@ -15,20 +15,30 @@ use crate::scene::{BETAS, CLIP_FPS, FRAME_JOINTS, Frame, HANDS};
 const STRIDE: usize = 16;
 /// Skin this far above the lowest point bears a tenth of what the lowest bears, metres.
 const BEARING_M: f32 = 0.012;
-/// Nobody who stands on the floor slides faster than this on average, metres a second: beyond it the clip was made on
-/// the spot and its travel is read from the feet.
-const IN_PLACE_M_PER_S: f32 = 0.3;
+/// Skin this near to the lowest may be what stands on the floor, metres.
+const NEAR_M: f32 = 0.06;
+/// Some point of a captured figure's feet always stands still; where even the slowest moves faster than this half of the
+/// time, metres a second, the clip was made on the spot and its travel is read from the feet.
+const IN_PLACE_M_PER_S: f32 = 0.25;
 /// Longest flight, seconds: a body without contact for longer is not jumping, its height is wrong.
 const FLIGHT_S: f32 = 0.9;
-/// Height over the floor from which on a body is not in contact, metres.
-const ALOFT_M: f32 = 0.06;
+/// Height over the floor from which on a body is not in contact, metres: what differs less is what carrying over a
+/// figure's feet costs.
+const ALOFT_M: f32 = 0.12;
+/// Nobody moves faster indoors, metres a second: frames before such a leap are a capture's calibration.
+const LEAP_M_PER_S: f32 = 12.0;
+/// Frames at a capture's begin that may be such.
+const CALIBRATION: usize = 12;
+/// Whose joints turn slower than this on average and whose pelvis moves slower than a tenth of it in metres is at rest,
+/// radians a second.
+const REST_PER_S: f32 = 1.0;
 /// Frames over which the floor's height under the feet is smoothed.
 const SMOOTH: usize = 4;
 /// Mean turn of a joint from the first to the last pose of a clip that can be repeated, radians.
-const SAME_POSE: f32 = 0.06;
+const SAME_POSE: f32 = 0.16;
 /// Shorter loops are repeated until they last this long, seconds.
 const LEAST_S: f32 = 4.5;
-/// Shorter clips are held at both ends until they last this long, seconds.
+/// Shorter clips that begin and end at rest are held at both ends until they last this long, seconds.
 const HELD_S: f32 = 2.6;
 /// Clips shorter than this are no motion, seconds.
 const SHORTEST_S: f32 = 0.5;
@@ -58,11 +68,13 @@ pub fn record(clip: &PoseClip, body: &Body) -> Option<Recording> {
     }
     let contact = Contact::new(body);
     contact.set_down(body, &mut frames);
-    contact.add_travel(body, &mut frames);
+    contact.stand_still(body, &mut frames);
     if is_loop(&frames) {
+        close(&mut frames);
         frames = repeated(&frames, body.model.joint_template[PELVIS]);
+    } else {
+        hold_ends(&mut frames);
     }
-    hold_ends(&mut frames);
     Some(Recording { name: clip.name.clone(), mirrored: false, frames })
 }
 
@@ -101,7 +113,12 @@ pub fn mirror_frame(frame: &Frame, rest_pelvis: Vec3) -> Frame {
 
 /// The clip's frames at 30 a second, as they were captured.
 fn at_thirty(clip: &PoseClip, body: &Body) -> Vec<Frame> {
-    let captured: Vec<usize> = (0..clip.frames.len())
+    let leaps = |f: &usize| {
+        let next = clip.pelvis_m[(f + 1).min(clip.pelvis_m.len() - 1)];
+        clip.pelvis_m[*f].distance(next) > LEAP_M_PER_S * clip.frame_seconds
+    };
+    let begin = (0..clip.frames.len().min(CALIBRATION)).filter(leaps).map(|f| f + 1).max().unwrap_or(0);
+    let captured: Vec<usize> = (begin..clip.frames.len())
         .skip_while(|f| is_calibration(&std::array::from_fn(|j| clip.frames[*f][j + 1])))
         .collect();
     let Some((first, last)) = captured.first().copied().zip(captured.last().copied()) else {
@@ -118,11 +135,13 @@ fn at_thirty(clip: &PoseClip, body: &Body) -> Vec<Frame> {
     (0..count).map(frame).collect()
 }
 
-fn quat(axis_angle: Vec3) -> Quat {
+/// A turn as a quaternion.
+pub(super) fn quat(axis_angle: Vec3) -> Quat {
     Quat::from_mat3(&rotation::matrix_from_axis_angle(axis_angle))
 }
 
-fn axis_angle(turn: Quat) -> Vec3 {
+/// A turn as an axis-angle, radians.
+pub(super) fn axis_angle(turn: Quat) -> Vec3 {
     rotation::axis_angle_from_matrix(Mat3::from_quat(turn.normalize()))
 }
 
@@ -211,49 +230,68 @@ impl Contact {
         }
     }
 
-    /// Gives a clip made on the spot the travel of its feet: what bears the body stands still.
-    fn add_travel(&self, body: &Body, frames: &mut [Frame]) {
+    /// What bears the body stands still: gives a clip made on the spot the travel of its feet, and takes from others the
+    /// slip that their lengths cost when they were carried over.
+    fn stand_still(&self, body: &Body, frames: &mut [Frame]) {
         let mut workspace = Workspace::default();
         let skins: Vec<Vec<Vec3>> =
             frames.iter().map(|frame| self.skin(body, frame, &mut workspace).to_vec()).collect();
-        let slips: Vec<Option<Vec3>> = skins.windows(2).map(|pair| slip(&pair[0], &pair[1])).collect();
-        let known: Vec<f32> = slips.iter().flatten().map(|s| s.length() * CLIP_FPS).collect();
-        let mean = known.iter().sum::<f32>() / known.len().max(1) as f32;
-        if mean < IN_PLACE_M_PER_S {
-            return;
-        }
+        let slowest: Vec<Option<Vec3>> = skins.windows(2).map(|pair| slowest(&pair[0], &pair[1])).collect();
+        let mut speeds: Vec<f32> = slowest.iter().flatten().map(|s| s.length() * CLIP_FPS).collect();
+        speeds.sort_by(f32::total_cmp);
+        let in_place = speeds.get(speeds.len() / 2).is_some_and(|median| *median > IN_PLACE_M_PER_S);
+        let slips =
+            if in_place { skins.windows(2).map(|pair| slip(&pair[0], &pair[1])).collect() } else { slowest };
         let mut travelled = Vec3::ZERO;
         let mut last = Vec3::ZERO;
         for (frame, slip) in frames[1..].iter_mut().zip(slips) {
-            // In flight the body goes on as it did.
-            last = slip.unwrap_or(last);
+            // In flight a body on the spot goes on as it did; one that was captured on its way flies as captured.
+            last = slip.unwrap_or(if in_place { last } else { Vec3::ZERO });
             travelled -= last;
             frame.translation += travelled;
         }
     }
 }
 
-/// Mean horizontal displacement of the skin that bears the body in both frames, metres.
+/// Height of each of the skin's points above the lowest in the higher of two frames, metres; `None` in flight.
+fn heights(before: &[Vec3], after: &[Vec3]) -> Option<Vec<f32>> {
+    let high: Vec<f32> = before.iter().zip(after).map(|(a, b)| a.y.max(b.y)).collect();
+    let lowest = high.iter().copied().fold(f32::INFINITY, f32::min);
+    (lowest < ALOFT_M).then(|| high.into_iter().map(|h| h - lowest).collect())
+}
+
+/// Horizontal displacement of that point of the skin near the floor that moves least, metres: heel, ball or toe of
+/// the planted foot, whichever it rolls over.
+fn slowest(before: &[Vec3], after: &[Vec3]) -> Option<Vec3> {
+    let near = heights(before, after)?;
+    let moved = before.iter().zip(after).map(|(a, b)| (*b - *a).with_y(0.0));
+    let near = moved.zip(near).filter(|(_, height)| *height < NEAR_M);
+    near.map(|(moved, _)| moved).min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
+}
+
+/// Mean horizontal displacement of the skin that bears the body, the lower the more, metres.
 fn slip(before: &[Vec3], after: &[Vec3]) -> Option<Vec3> {
     let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
-    for (a, b) in before.iter().zip(after) {
-        let height = a.y.max(b.y).max(0.0);
+    for ((a, b), height) in before.iter().zip(after).zip(heights(before, after)?) {
         let weight = 10f32.powf(-height / BEARING_M);
         sum += (*b - *a).with_y(0.0) * weight;
         weights += weight;
     }
-    (weights > 0.05).then(|| sum / weights)
+    Some(sum / weights)
 }
 
 /// Whether the body leaves the floor and comes back soon, as who jumps or runs does.
 fn jumps(above_floor_m: &[f32]) -> bool {
-    let mut longest = 0;
-    let mut run = 0;
+    let mut sorted = above_floor_m.to_vec();
+    sorted.sort_by(f32::total_cmp);
+    let on_the_floor = sorted[sorted.len() / 2] < 0.3 * ALOFT_M;
+    let (mut longest, mut run) = (0, 0);
     for above in above_floor_m {
         run = if *above > ALOFT_M { run + 1 } else { 0 };
         longest = longest.max(run);
     }
-    longest > 0 && longest as f32 <= FLIGHT_S * CLIP_FPS
+    // Who is aloft at the end has not come back.
+    on_the_floor && longest > 0 && run == 0 && longest as f32 <= FLIGHT_S * CLIP_FPS
 }
 
 fn smoothed(values: &[f32]) -> Vec<f32> {
@@ -269,6 +307,20 @@ fn is_loop(frames: &[Frame]) -> bool {
     let turned = |j: usize| quat(first.pose[j]).angle_between(quat(last.pose[j]));
     let mean = (0..FRAME_JOINTS).map(turned).sum::<f32>() / FRAME_JOINTS as f32;
     (frames.len() as f32) < LEAST_S * CLIP_FPS && mean < SAME_POSE
+}
+
+/// Spreads what the last pose differs from the first over the whole, so that repeating it shows no seam.
+fn close(frames: &mut [Frame]) {
+    let (Some(first), Some(last)) = (frames.first().cloned(), frames.last().cloned()) else { return };
+    let back: [Quat; FRAME_JOINTS] =
+        std::array::from_fn(|j| quat(last.pose[j]).inverse() * quat(first.pose[j]));
+    let count = frames.len() - 1;
+    for (k, frame) in frames.iter_mut().enumerate() {
+        let share = k as f32 / count as f32;
+        frame.pose =
+            std::array::from_fn(|j| axis_angle(quat(frame.pose[j]) * Quat::IDENTITY.slerp(back[j], share)));
+        frame.translation.y += (first.translation.y - last.translation.y) * share;
+    }
 }
 
 /// The motion again and again, each time where the time before ended.
@@ -294,14 +346,30 @@ fn repeated(frames: &[Frame], rest_pelvis: Vec3) -> Vec<Frame> {
     out
 }
 
-/// Short clips stand still before and after, as the people in them do.
+/// Short clips that begin or end at rest stay there for a while, as the people in them do.
 fn hold_ends(frames: &mut Vec<Frame>) {
     let wanted = (HELD_S * CLIP_FPS) as usize;
     let missing = wanted.saturating_sub(frames.len());
-    let (Some(first), Some(last)) = (frames.first().cloned(), frames.last().cloned()) else { return };
-    let before = missing / 2;
+    if missing == 0 || frames.len() < 2 {
+        return;
+    }
+    let (first, last) = (frames[0].clone(), frames[frames.len() - 1].clone());
+    let at_rest = [at_rest(&frames[0], &frames[1]), at_rest(&frames[frames.len() - 2], &last)];
+    let before = match at_rest {
+        [true, true] => missing / 2,
+        [true, false] => missing,
+        _ => 0,
+    };
     frames.splice(0..0, std::iter::repeat_n(first, before));
-    frames.extend(std::iter::repeat_n(last, missing - before));
+    if at_rest[1] {
+        frames.extend(std::iter::repeat_n(last, missing - before));
+    }
+}
+
+fn at_rest(a: &Frame, b: &Frame) -> bool {
+    let turned: f32 = (0..FRAME_JOINTS).map(|j| quat(a.pose[j]).angle_between(quat(b.pose[j]))).sum();
+    let slow = turned / FRAME_JOINTS as f32 * CLIP_FPS < REST_PER_S;
+    slow && a.translation.distance(b.translation) * CLIP_FPS < 0.3 * REST_PER_S
 }
 
 #[cfg(test)]

@@ -2,8 +2,12 @@
 //! come in from `evolve`, which also fits what comes out.
 
 pub mod capture;
+pub mod learned;
 pub mod leg;
 pub mod local;
+pub mod planted;
+pub mod retrieval;
 pub mod room_points;
+pub mod stitch;
 
 pub use leg::{EndState, FootPlace, LegInput, LegMotion, PathPoint, Still, Walking};

@@ -25,15 +25,17 @@ const TURNED: f32 = 0.7;
 const STAY_ONE_IN: usize = 6;
 /// Frames from one window of a take to the next.
 const STEP: usize = 2;
+/// Frames from one window that is measured on to the next.
+const MEASURED_STEP: usize = 4;
 /// Frames from one body for the sub-goals to the next (the published code's 15).
 const BODY_STEP: usize = 15;
 /// How often each activity is drawn: there are many walks and few sits.
 const SHARES: [(Activity, f32); 5] = [
     (Activity::Walk, 0.5),
-    (Activity::Run, 0.06),
-    (Activity::Low, 0.22),
+    (Activity::Sit, 0.22),
     (Activity::Floor, 0.12),
-    (Activity::Spot, 0.1),
+    (Activity::Rest, 0.04),
+    (Activity::Spot, 0.12),
 ];
 
 /// What a corpus is made of.
@@ -153,6 +155,19 @@ impl MotionData {
     /// The windows that are learnt from.
     pub fn training_windows(&self) -> Vec<Window> {
         self.windows(Split::Train, STEP)
+    }
+
+    /// About `most` windows of one part, of every activity alike, evenly spaced: what is measured on.
+    pub fn measured(&self, split: Split, most: usize) -> Vec<Window> {
+        let windows = self.windows(split, MEASURED_STEP);
+        let each = most / Activity::ALL.len();
+        let mut chosen = Vec::new();
+        for activity in Activity::ALL {
+            let of: Vec<Window> =
+                windows.iter().filter(|w| self.takes[w.take].activity == activity).copied().collect();
+            chosen.extend(of.iter().step_by(of.len().div_ceil(each.max(1)).max(1)));
+        }
+        chosen
     }
 
     /// `count` windows drawn with the shares of the activities.

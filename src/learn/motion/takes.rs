@@ -20,8 +20,10 @@ use crate::scene::{CLIP_FPS, Frame, POSE};
 const LONGEST: usize = 210;
 /// Frames of one window: both ends and what is between (LTM §4.1).
 pub const WINDOW: usize = BETWEEN + 2;
-/// Speeds at which clips other than walks are taken, for there are few of them.
+/// Speeds at which sitting down and getting up is learnt, for there are few clips of it.
 const SPEEDS: [f32; 3] = [1.0, 0.8, 1.25];
+/// Faster clips are runs, which no room is large enough for, metres a second.
+const FASTEST_M_PER_S: f32 = 2.3;
 /// Changes whenever the same poses get other codes.
 const CODES_VERSION: u32 = 1;
 
@@ -30,42 +32,47 @@ const CODES_VERSION: u32 = 1;
 pub enum Activity {
     /// Walks.
     Walk,
-    /// Runs or jogs.
-    Run,
-    /// Sits, crouches or kneels, or comes from there.
-    Low,
-    /// Lies, crawls or sits on the floor, or comes from there.
+    /// Sits down, crouches or kneels, or gets up from there.
+    Sit,
+    /// Lies down or gets up from the floor, or crawls.
     Floor,
+    /// Stays as they sit, crouch or lie.
+    Rest,
     /// Stands and does something on the spot, or jumps.
     Spot,
 }
 
 impl Activity {
     /// Every one.
-    pub const ALL: [Self; 5] = [Self::Walk, Self::Run, Self::Low, Self::Floor, Self::Spot];
+    pub const ALL: [Self; 5] = [Self::Walk, Self::Sit, Self::Floor, Self::Rest, Self::Spot];
 
     /// Name in reports.
     pub fn label(self) -> &'static str {
         match self {
             Self::Walk => "walk",
-            Self::Run => "run",
-            Self::Low => "sit and crouch",
-            Self::Floor => "lie and crawl",
+            Self::Sit => "sit down and get up",
+            Self::Floor => "lie down, get up, crawl",
+            Self::Rest => "stay",
             Self::Spot => "on the spot",
         }
     }
 
-    fn of(recording: &Recording) -> Self {
-        let lowest = recording.frames.iter().map(|f| f.translation.y).fold(f32::INFINITY, f32::min);
+    /// `None` for what nobody does indoors.
+    fn of(recording: &Recording) -> Option<Self> {
+        let heights = || recording.frames.iter().map(|f| f.translation.y);
+        let (lowest, highest) = (heights().fold(f32::INFINITY, f32::min), heights().fold(0.0, f32::max));
         let flat = |f: &Frame| f.translation.with_y(0.0);
         let way_m: f32 = recording.frames.windows(2).map(|p| flat(&p[0]).distance(flat(&p[1]))).sum();
         let speed_m_per_s = way_m / recording.seconds().max(0.1);
-        match (lowest, speed_m_per_s) {
-            (low, _) if low < 0.36 => Self::Floor,
-            (low, _) if low < 0.62 => Self::Low,
-            (_, speed) if speed > 2.0 => Self::Run,
-            (_, speed) if speed > 0.45 => Self::Walk,
-            _ => Self::Spot,
+        match (lowest, highest - lowest, speed_m_per_s) {
+            (_, _, speed) if speed > FASTEST_M_PER_S => None,
+            // Whoever rises above their own standing height jumps.
+            _ if highest > 1.1 => Some(Self::Spot),
+            (low, range, _) if low < 0.65 && range < 0.12 => Some(Self::Rest),
+            (low, ..) if low < 0.4 => Some(Self::Floor),
+            (low, ..) if low < 0.65 => Some(Self::Sit),
+            (.., speed) if speed > 0.45 => Some(Self::Walk),
+            _ => Some(Self::Spot),
         }
     }
 }
@@ -101,7 +108,8 @@ pub fn takes_of(clips: &[PoseClip], config: &MotionDataConfig, ticker: &Ticker) 
             Ok(record(clip, body))
         })
         .collect::<Result<_, Stop>>()?;
-    let recordings: Vec<Recording> = recordings.into_iter().flatten().collect();
+    let long_enough = |r: &Recording| r.frames.len() >= WINDOW && Activity::of(r).is_some();
+    let recordings: Vec<Recording> = recordings.into_iter().flatten().filter(long_enough).collect();
     let splits = split_by_clip(&recordings, config);
     let mut pieces = Vec::new();
     for recording in &recordings {
@@ -131,7 +139,9 @@ pub fn takes_of(clips: &[PoseClip], config: &MotionDataConfig, ticker: &Ticker) 
 fn split_by_clip(recordings: &[Recording], config: &MotionDataConfig) -> BTreeMap<String, (Split, Activity)> {
     let mut of_activity: BTreeMap<Activity, Vec<&str>> = BTreeMap::new();
     for recording in recordings {
-        of_activity.entry(Activity::of(recording)).or_default().push(&recording.name);
+        if let Some(activity) = Activity::of(recording) {
+            of_activity.entry(activity).or_default().push(&recording.name);
+        }
     }
     let seed = Seed::root(config.seed).child("split", 0);
     let mut splits = BTreeMap::new();
@@ -159,9 +169,9 @@ fn pieces_of(
 ) -> Vec<Take> {
     let rest = body.model.joint_template[PELVIS];
     let seed = Seed::root(config.seed).child("turn", 0).child(&recording.name, 0);
-    let moving = matches!(activity, Activity::Walk | Activity::Run);
+    let scarce = matches!(activity, Activity::Sit | Activity::Floor);
     // Held-out clips are measured as they are.
-    let speeds = if moving || split == Split::Test { &SPEEDS[..1] } else { &SPEEDS[..] };
+    let speeds = if scarce && split == Split::Train { &SPEEDS[..] } else { &SPEEDS[..1] };
     let images = if config.mirror { 2 } else { 1 };
     let mut takes = Vec::new();
     for speed in speeds {

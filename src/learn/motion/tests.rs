@@ -103,7 +103,7 @@ fn no_clip_is_in_two_parts_and_every_part_has_walks_and_sits() {
     for split in [Split::Train, Split::Validation, Split::Test] {
         let of_part = |t: &&Take| t.split == split;
         let activities: Vec<Activity> = data.takes.iter().filter(of_part).map(|t| t.activity).collect();
-        assert!(activities.contains(&Activity::Walk) && activities.contains(&Activity::Low), "{split:?}");
+        assert!(activities.contains(&Activity::Walk) && activities.contains(&Activity::Sit), "{split:?}");
     }
     for take in &data.takes {
         assert!(
@@ -127,7 +127,7 @@ fn a_staged_room_is_free_where_its_motion_goes_and_has_a_seat_where_it_sits() {
             Item::Block { size, .. } => seats(&p.category) && (size.1 - 0.45).abs() < 0.25,
             _ => false,
         };
-        if take.activity == Activity::Low {
+        if take.activity == Activity::Sit {
             assert!(pieces.iter().any(|p| bears(&p)), "{}: no seat", take.clip);
         }
         for point in way.points().iter().step_by(37) {

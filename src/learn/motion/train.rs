@@ -28,8 +28,6 @@ use crate::scene::{BodyParams, HANDS, POSE};
 
 /// Windows, bodies or clouds of the validation clips looked at after each epoch: enough for a curve.
 const VALIDATION: usize = 192;
-/// Frames from one validation window to the next.
-const VALIDATION_STEP: usize = 12;
 /// c of the robust distance, metres (1 in the published training).
 const ROBUST_C_M: f32 = 1.0;
 
@@ -350,9 +348,7 @@ pub fn validation_loss(
     split: Split,
     most: usize,
 ) -> [f32; ROW] {
-    let windows = input.data.windows(split, VALIDATION_STEP);
-    let chosen: Vec<Window> =
-        windows.iter().step_by(windows.len().div_ceil(most.max(1)).max(1)).copied().collect();
+    let chosen = input.data.measured(split, most);
     let seed = Seed::root(0).child("validation", 0);
     let mut mean = [0.0; ROW];
     let columns = which.outputs();
