@@ -16,5 +16,6 @@ pub use alignment::{EstimateErrors, Similarity, mean_distance_mm};
 pub use body::{BodyMetrics, BodyReport, CONTACT_M, inspect_body};
 pub use diversity::{Diversity, FEATURES, diversity, entropy_nats};
 pub use finding::{Finding, Limits, Metric, Site};
+pub use hull::{convex_hull, distance_to_hull};
 pub use representation::Reconstruction;
 pub use surface::{BodySolid, surface_samples};
