@@ -24,6 +24,7 @@ mod frame;
 mod graph;
 mod group;
 mod model;
+mod realise;
 
 pub use frame::{PersonFrame, Polar};
 pub use graph::{ActionGraph, correlation};
@@ -31,4 +32,10 @@ pub use group::{GroupModel, PEOPLE_APART_M, is_shared, shared_potential};
 pub use model::{
     ActionKind, ActionModel, ActionModelError, ActionNode, Evidence, KeyObject, KeyRelation, Occurrence,
     PairPlacement, Placement, PolarDensity, Posture, Provenance,
+};
+pub use realise::{
+    Candidates, Companion, Evolution, EvolutionConfig, EvolutionStep, Faces, Failed, Found, Ground,
+    GroupMode, Held, Inserted, Interpenetration, Item, Kind, KindId, Library, LibraryError, MoveReason,
+    Moved, NotPossible, Off, PENETRATION_MM, Pose, RoomMeasures, Sample, Shape, Source, Spot, Stage,
+    StepPerson, Suggestion, Surface, Thing, UnderPoint, Verdict, World, Zone, measure, scene_state,
 };

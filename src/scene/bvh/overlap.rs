@@ -124,7 +124,8 @@ fn triangles_meet(a: &[Vec3A; 3], b: &[Vec3A; 3]) -> bool {
         return false;
     }
     let crossed = ea.iter().any(|x| eb.iter().any(|y| apart(a, b, x.cross(*y))));
-    let in_plane = || ea.iter().any(|x| apart(a, b, na.cross(*x))) || eb.iter().any(|y| apart(a, b, nb.cross(*y)));
+    let in_plane =
+        || ea.iter().any(|x| apart(a, b, na.cross(*x))) || eb.iter().any(|y| apart(a, b, nb.cross(*y)));
     !crossed && !in_plane()
 }
 
@@ -172,24 +173,25 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let mut soup = |count: usize| -> Vec<[Vec3; 3]> {
             let mut point = |around: Vec3, reach: f32| {
-                around + Vec3::new(rng.random_range(-reach..reach), rng.random_range(-reach..reach), 0.0)
+                around
+                    + Vec3::new(rng.random_range(-reach..reach), rng.random_range(-reach..reach), 0.0)
                     + Vec3::Z * rng.random_range(-reach..reach)
             };
             (0..count)
                 .map(|_| {
                     let middle = point(Vec3::ZERO, 1.0);
-                    [point(middle, 0.06), point(middle, 0.06), point(middle, 0.06)]
+                    [point(middle, 0.1), point(middle, 0.1), point(middle, 0.1)]
                 })
                 .collect()
         };
-        let pairs: Vec<_> = (0..40).map(|_| (soup(60), soup(60))).collect();
+        let pairs: Vec<_> = (0..40).map(|_| (soup(120), soup(120))).collect();
         let place = Affine3A::from_rotation_y(0.7) * Affine3A::from_translation(Vec3::new(0.1, 0.0, -0.05));
         let mut met = 0;
         for (a, b) in pairs {
             let placed: Vec<[Vec3; 3]> = b.iter().map(|t| t.map(|p| place.transform_point3(p))).collect();
-            let every = a.iter().any(|x| {
-                placed.iter().any(|y| triangles_meet(&x.map(Vec3A::from), &y.map(Vec3A::from)))
-            });
+            let every = a
+                .iter()
+                .any(|x| placed.iter().any(|y| triangles_meet(&x.map(Vec3A::from), &y.map(Vec3A::from))));
             assert_eq!(TriangleBvh::new(a).meets(&TriangleBvh::new(b), &place), every);
             met += usize::from(every);
         }

@@ -12,9 +12,9 @@ mod seats;
 mod shell;
 mod soft;
 mod surface;
-mod things;
 #[cfg(test)]
 mod tests;
+mod things;
 
 use std::collections::BTreeMap;
 
