@@ -268,7 +268,7 @@ fn numbers_that_are_none_and_sub_goals_of_one_name_never_enter_a_motion() {
 
 #[test]
 fn long_motions_count_in_what_the_history_keeps() {
-    let mut document = Document::of_room(room()).with_history_bytes(600_000);
+    let mut document = Document::of_room(room()).with_history_bytes(200_000);
     for i in 0..40 {
         let clips = vec![walk(&format!("W{i}"))];
         document.apply(Command::AddClips { clips, made_for: None }).unwrap();
@@ -603,7 +603,7 @@ fn motions_open_again_bit_by_bit_and_stand_beside_the_text() {
         assert!(loaded.scene.clips[0].frames[0].translation.y.is_sign_negative(), "minus zero stays so");
     }
     let text = std::fs::read_to_string(folder.path().join("project.ron")).unwrap();
-    assert!(text.len() < 40_000 && !text.contains("0.33333"), "no frames in {} letters of text", text.len());
+    assert!(text.len() < 12_000, "there are frames in {} letters of text", text.len());
     std::fs::remove_file(folder.path().join("motions.npz")).unwrap();
     let said = load_project(&folder.path().join("project.ron")).unwrap_err().to_string();
     assert!(said.contains("motions.npz"), "{said}");
