@@ -20,6 +20,7 @@
 //!    (o, o') uses the *person's* axes with the origin moved to o' ([`PersonFrame::at`]).
 //! 4. A group action has [`ActionNode::group`]: how many people, which objects they share (eq. 6 to 8).
 
+mod bundled;
 mod frame;
 mod graph;
 mod group;
@@ -34,8 +35,8 @@ pub use model::{
     PairPlacement, Placement, PolarDensity, Posture, Provenance,
 };
 pub use realise::{
-    Candidates, Companion, Evolution, EvolutionConfig, EvolutionStep, Faces, Failed, Found, Ground,
+    Candidates, Companion, Embodied, Evolution, EvolutionConfig, EvolutionStep, Faces, Failed, Found, Ground,
     GroupMode, Held, Inserted, Interpenetration, Item, Kind, KindId, Library, LibraryError, MoveReason,
     Moved, NotPossible, Off, PENETRATION_MM, Pose, RoomMeasures, Sample, Shape, Source, Spot, Stage,
-    StepPerson, Suggestion, Surface, Thing, UnderPoint, Verdict, World, Zone, measure, scene_state,
+    StepPerson, Suggestion, Surface, Thing, UnderPoint, Verdict, World, Zone, embody, measure, scene_state,
 };

@@ -178,7 +178,7 @@ impl Evolution {
             return Err(refuse(off.why.clone()));
         }
         let number = self.steps.len() + 1;
-        let seed = self.seed.child("step", number as u64).child("roll", roll);
+        let seed = self.seed_of(number).child("roll", roll);
         let mut keys = keys.to_vec();
         keys.shuffle(&mut seed.child("key", 0).rng());
         let mut why = format!("there is no {} here", spec.key.label());
@@ -266,6 +266,11 @@ impl Evolution {
         next.world = world;
         next.steps.push(Arc::new(step));
         next
+    }
+
+    /// Seed of step `number`, from 1.
+    pub fn seed_of(&self, number: usize) -> Seed {
+        self.seed.child("step", number as u64)
     }
 
     /// What was done so far.

@@ -66,8 +66,7 @@ pub fn measure(evolution: &Evolution) -> RoomMeasures {
     let touched: Vec<_> = world.items().filter(|i| is_touched(world, i)).cloned().collect();
     let pairs: Vec<Interpenetration> = interpenetrations(world, &touched);
     let deep = |p: &&Interpenetration| p.depth_mm > PENETRATION_MM;
-    let unsupported: Vec<String> =
-        touched.iter().filter(|i| !is_held(world, i)).map(|i| i.name.clone()).collect();
+    let unsupported: Vec<String> = touched.iter().filter_map(|i| not_held(world, i)).collect();
     let bounds = world.stage.geometry.bounds.grown(0.01);
     let outside = |i: &&std::sync::Arc<Item>| {
         let inside = bounds.contains(i.bounds.min) && bounds.contains(i.bounds.max);
@@ -153,8 +152,8 @@ fn least_shift_mm(meets: &dyn Fn(Vec3) -> bool) -> f32 {
     128.0
 }
 
-/// Whether something is right under a thing and it does not tip.
-fn is_held(world: &World, item: &Item) -> bool {
+/// Why a thing would fall, for people; `None` when something is right under it and it does not tip.
+fn not_held(world: &World, item: &Item) -> Option<String> {
     let lifted = Lifted::from([item.id]);
     let foot_m = item.pose.at.y + item.shape.bounds.min.y;
     let onto = match item.held {
@@ -162,11 +161,22 @@ fn is_held(world: &World, item: &Item) -> bool {
             let soft = world.stage.surfaces.get(number).is_some_and(|s| s.soft);
             Onto::Surface { number, height_m: foot_m, soft }
         }
-        Held::Item(id) => Onto::Item { id, top_m: foot_m },
-        Held::AsFound => return true,
+        Held::Item(id) => Onto::Item { id, top_m: foot_m + item.shape.bounds.size().y.min(0.03) },
+        Held::AsFound => return None,
     };
-    let rest = world.set_down(&item.shape, flat(item.pose.at), item.pose.yaw_rad, onto, &lifted);
-    rest.is_ok_and(|rest| (rest.pose.at.y - item.pose.at.y).abs() < HELD_WITHIN_M)
+    let on = match item.held {
+        Held::Item(id) => {
+            world.item(id).map_or_else(|| "something that is gone".to_owned(), |i| i.name.clone())
+        }
+        _ => "the room".to_owned(),
+    };
+    match world.set_down(&item.shape, flat(item.pose.at), item.pose.yaw_rad, onto, &lifted) {
+        Err(_) => Some(format!("{} hangs over the edge of {on}", item.name)),
+        Ok(rest) => {
+            let gap_m = item.pose.at.y - rest.pose.at.y;
+            (gap_m.abs() > HELD_WITHIN_M).then(|| format!("{} is {:.0} mm over {on}", item.name, gap_m * 1e3))
+        }
+    }
 }
 
 /// Shannon entropy of where small things lie.

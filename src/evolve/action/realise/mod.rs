@@ -15,6 +15,7 @@
 mod active;
 mod away;
 mod chair;
+mod embody;
 mod evolution;
 mod figure;
 mod furnish;
@@ -32,6 +33,7 @@ mod wanted;
 mod world;
 mod zone;
 
+pub use embody::{Embodied, embody};
 pub use evolution::{Evolution, EvolutionConfig, GroupMode, NotPossible, Off, Suggestion};
 pub use figure::Spot;
 pub use library::{Companion, Faces, Ground, Kind, KindId, Library, LibraryError, Thing};
