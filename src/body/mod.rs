@@ -8,6 +8,7 @@
 
 mod export;
 mod families;
+mod feet;
 mod hand_space;
 mod hands;
 pub mod joints;
@@ -24,6 +25,7 @@ mod subset;
 mod workspace;
 
 pub use export::skinned_mesh;
+pub use feet::{Feet, TREADS};
 pub use families::{FamilyHints, LeanStyle, SampledPose, sample_pose};
 pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace, HandSpaceError};
 pub use hands::HandShape;
@@ -37,4 +39,4 @@ pub use regions::{ContactRegions, Region};
 pub use retarget::{RetargetError, retarget};
 pub use skin_moments::{POSE_TREE, PoseFigure, SkinMoments, carrier, vertex_areas};
 pub use subset::VertexSubset;
-pub use workspace::{Gradients, Workspace};
+pub use workspace::{Gradients, PosedGradient, Workspace};
