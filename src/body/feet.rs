@@ -1,7 +1,7 @@
 //! Where feet tread: heel, ball and toe tip of each sole, as points carried by ankle and ball joint. What stands
 //! still while a foot is planted is one of them, whichever the foot rolls over.
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Quat, Vec3};
 
 use super::joints::{self, JOINTS};
 use super::posed::Body;
@@ -21,21 +21,41 @@ struct Tread {
     offset: Vec3,
 }
 
-/// The treads of both feet of one body shape, left then right.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The treads and soles of both feet of one body shape, left then right.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Feet {
+    rest: [Vec3; JOINTS],
     treads: [[Tread; TREADS]; 2],
+    soles: [Vec<Tread>; 2],
 }
+
+/// One foot as a rigid body with toes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FootPose {
+    /// Place of the ankle joint, metres.
+    pub ankle: Vec3,
+    /// World rotation of the ankle joint.
+    pub foot: Quat,
+    /// World rotation of the ball joint, which carries the toes.
+    pub toes: Quat,
+}
+
+/// Ankle and ball joint of the left and the right foot.
+const CARRIERS: [[usize; 2]; 2] =
+    [[joints::LEFT_ANKLE, joints::LEFT_FOOT], [joints::RIGHT_ANKLE, joints::RIGHT_FOOT]];
 
 impl Feet {
     /// Of a body of shape `betas`.
     pub fn of(body: &Body, betas: &[f32; BETAS]) -> Self {
         let rest = body.model.rest_joints(betas);
-        let sides = [
-            (Region::LeftLeg, joints::LEFT_ANKLE, joints::LEFT_FOOT),
-            (Region::RightLeg, joints::RIGHT_ANKLE, joints::RIGHT_FOOT),
-        ];
-        Self { treads: sides.map(|(sole, ankle, ball)| treads(&sole_at_rest(body, sole, betas), &rest, ankle, ball)) }
+        let soles = [Region::LeftLeg, Region::RightLeg].map(|region| sole_at_rest(body, region, betas));
+        let treads = std::array::from_fn(|side| treads(&soles[side], &rest, CARRIERS[side]));
+        let soles = std::array::from_fn(|side| {
+            let [ankle, ball] = CARRIERS[side];
+            let carried = |p: &Vec3| if p.z > rest[ball].z { ball } else { ankle };
+            soles[side].iter().map(|p| Tread { joint: carried(p), offset: *p - rest[carried(p)] }).collect()
+        });
+        Self { rest, treads, soles }
     }
 
     /// Heel, ball and toe tip of the left and the right foot of a posed body, world frame, metres.
@@ -43,21 +63,28 @@ impl Feet {
         self.treads.map(|foot| foot.map(|t| joints[t.joint] + rotations[t.joint] * t.offset))
     }
 
-    /// Heel, ball and toe tip of foot `side` (0 left, 1 right) when its ankle stands at `ankle` and ankle and ball
-    /// joint are turned by `rotations`; world frame, metres.
-    pub fn around_ankle(&self, side: usize, ankle: Vec3, rest: &[Vec3; JOINTS], rotations: [Mat3; 2]) -> [Vec3; TREADS] {
-        let [heel, _, toe] = self.treads[side];
-        let ball_joint = ankle + rotations[0] * (rest[toe.joint] - rest[heel.joint]);
-        self.treads[side].map(|t| match t.joint == heel.joint {
-            true => ankle + rotations[0] * t.offset,
-            false => ball_joint + rotations[1] * t.offset,
-        })
+    /// Heel, ball and toe tip of foot `side` (0 left, 1 right), world frame, metres.
+    pub fn treads(&self, side: usize, pose: &FootPose) -> [Vec3; TREADS] {
+        self.treads[side].map(|t| self.place(side, pose, &t))
     }
 
-    /// The joint that carries tread `index` of foot `side`, and the tread's place in that joint's frame, metres.
-    pub fn carrier(&self, side: usize, index: usize) -> (usize, Vec3) {
-        let tread = self.treads[side][index];
-        (tread.joint, tread.offset)
+    /// Points all over the sole of foot `side`, world frame, metres.
+    pub fn sole(&self, side: usize, pose: &FootPose) -> impl Iterator<Item = Vec3> {
+        self.soles[side].iter().map(move |t| self.place(side, pose, t))
+    }
+
+    /// Place of the ball joint of foot `side`, metres.
+    pub fn ball(&self, side: usize, pose: &FootPose) -> Vec3 {
+        let [ankle, ball] = CARRIERS[side];
+        pose.ankle + pose.foot * (self.rest[ball] - self.rest[ankle])
+    }
+
+    fn place(&self, side: usize, pose: &FootPose, tread: &Tread) -> Vec3 {
+        if tread.joint == CARRIERS[side][0] {
+            pose.ankle + pose.foot * tread.offset
+        } else {
+            self.ball(side, pose) + pose.toes * tread.offset
+        }
     }
 }
 
@@ -67,10 +94,10 @@ fn sole_at_rest(body: &Body, region: Region, betas: &[f32; BETAS]) -> Vec<Vec3> 
         let shaped = model.shape_dirs[v].iter().zip(betas).map(|(dir, beta)| *dir * *beta).sum::<Vec3>();
         model.template[v] + shaped
     };
-    body.regions.vertices(region).iter().map(|v| at_rest(*v as usize)).collect()
+    body.regions.sample(region).iter().map(|v| at_rest(*v as usize)).collect()
 }
 
-fn treads(sole: &[Vec3], rest: &[Vec3; JOINTS], ankle: usize, ball: usize) -> [Tread; TREADS] {
+fn treads(sole: &[Vec3], rest: &[Vec3; JOINTS], [ankle, ball]: [usize; 2]) -> [Tread; TREADS] {
     let by_z = |a: &&Vec3, b: &&Vec3| a.z.total_cmp(&b.z);
     let heel = sole.iter().min_by(by_z).copied().unwrap_or(rest[ankle]);
     let toe = sole.iter().max_by(by_z).copied().unwrap_or(rest[ball]);

@@ -25,7 +25,7 @@ mod subset;
 mod workspace;
 
 pub use export::skinned_mesh;
-pub use feet::{Feet, TREADS};
+pub use feet::{Feet, FootPose, TREADS};
 pub use families::{FamilyHints, LeanStyle, SampledPose, sample_pose};
 pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace, HandSpaceError};
 pub use hands::HandShape;
