@@ -2,5 +2,6 @@
 //! come in from `evolve`, which also fits what comes out.
 
 pub mod leg;
+pub mod plan;
 
 pub use leg::{EndState, FootPlace, LegInput, LegMotion, PathPoint, Still, Walking};
