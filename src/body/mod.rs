@@ -26,8 +26,8 @@ mod subset;
 mod workspace;
 
 pub use export::skinned_mesh;
-pub use feet::{Feet, FootPose, TREADS};
 pub use families::{FamilyHints, LeanStyle, SampledPose, sample_pose};
+pub use feet::{Feet, FootPose, TREADS};
 pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace, HandSpaceError};
 pub use hands::HandShape;
 pub use ik::{Bend, FrameJoints, Limb, axes, two_bone};

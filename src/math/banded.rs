@@ -93,7 +93,7 @@ mod tests {
                 assert_eq!(y[i], 0.0);
                 continue;
             }
-            let rows = (1..8).filter(|r| r.abs_diff(i) <= 1);
+            let rows = (1..8_usize).filter(|r| r.abs_diff(i) <= 1);
             let pull: f32 = rows.map(|r| second(&y, r) * if r == i { -2.0 } else { 1.0 }).sum();
             assert!((y[i] + 3.0 * pull - given[i]).abs() < 1e-4, "{i}: {y:?}");
         }
@@ -102,7 +102,8 @@ mod tests {
     #[test]
     fn a_straight_line_stays_and_a_single_spike_spreads() {
         let free = [false; 40];
-        let mut line: Vec<f32> = (0..40).flat_map(|i| [i as f32 * 0.5 - 3.0, if i == 20 { 1.0 } else { 0.0 }]).collect();
+        let mut line: Vec<f32> =
+            (0..40).flat_map(|i| [i as f32 * 0.5 - 3.0, if i == 20 { 1.0 } else { 0.0 }]).collect();
         let smoother = Smoother::new(50.0, &free);
         smoother.smooth(&mut line, 2);
         for i in 0..40 {

@@ -2,12 +2,12 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::config::{MotionObjective, SequenceConfig, Stage};
-use super::descent::{Subject, Terms, Window};
+use super::descent::{MotionEnergy, Subject, Terms, Window};
 use super::lock::Lock;
 use super::ours::OurEnergy;
 use super::paper::{PaperEnergy, PaperScene};
 use super::stance::FootPlan;
-use crate::body::joints::BODY_JOINTS;
+use crate::body::joints::{BODY_JOINTS, JOINTS};
 use crate::body::{Body, Feet, FrameJoints, JointLimit, VertexSubset, joint_limits};
 use crate::fit::probe::Probe;
 use crate::fit::surroundings::Surroundings;
@@ -93,13 +93,7 @@ impl<'a> SequenceFitter<'a> {
         let mut done = Sequenced { trace: vec![Terms::default(); run.iterations()], short_m: 0.0 };
         let descended = run.all_windows(frames, &mut done.trace, ticker, preview);
         if config.lock_feet {
-            let lock = Lock {
-                rest: &run.rest,
-                feet: &run.feet,
-                field: around.field,
-                plan: &run.plan,
-                task,
-            };
+            let lock = Lock { rest: &run.rest, feet: &run.feet, field: around.field, plan: &run.plan, task };
             done.short_m = lock.apply(frames);
         }
         descended.map(|()| done)
@@ -107,13 +101,13 @@ impl<'a> SequenceFitter<'a> {
 }
 
 /// One optimisation: what is found once from the motion as it came in.
-struct Run<'r> {
+pub(super) struct Run<'r> {
     fitter: &'r SequenceFitter<'r>,
     around: &'r Surroundings<'r>,
     task: &'r SequenceTask<'r>,
     config: &'r SequenceConfig,
     input: Vec<Frame>,
-    rest: [Vec3; crate::body::joints::JOINTS],
+    rest: [Vec3; JOINTS],
     feet: Feet,
     plan: FootPlan,
     sample: VertexSubset,
@@ -121,7 +115,7 @@ struct Run<'r> {
 }
 
 impl<'r> Run<'r> {
-    fn new(
+    pub fn new(
         fitter: &'r SequenceFitter<'r>,
         around: &'r Surroundings<'r>,
         task: &'r SequenceTask<'r>,
@@ -197,15 +191,20 @@ impl<'r> Run<'r> {
         trace: &mut [Terms],
         ticker: &Ticker,
     ) -> Result<(), Cancelled> {
-        let subject = |skin| Subject {
-            body: self.fitter.body,
-            betas: self.task.betas,
-            skin,
-            field: self.around.field,
-        };
+        let mut result = Ok(());
+        self.with_energy(stage, &mut |subject, energy| {
+            result = subject.descend(window, stage, energy, trace, ticker);
+        });
+        result
+    }
+
+    /// Calls `use_it` with what a stage minimises.
+    pub fn with_energy(&self, stage: &Stage, use_it: &mut dyn FnMut(&Subject<'_>, &dyn MotionEnergy)) {
+        let subject =
+            |skin| Subject { body: self.fitter.body, betas: self.task.betas, skin, field: self.around.field };
         match (stage.objective, &self.paper) {
             (MotionObjective::Paper(weights), Some((skin, scene))) => {
-                subject(skin).descend(window, stage, &PaperEnergy { scene, weights }, trace, ticker)
+                use_it(&subject(skin), &PaperEnergy { scene, weights });
             }
             (MotionObjective::Ours(weights), _) => {
                 let energy = OurEnergy {
@@ -217,14 +216,14 @@ impl<'r> Run<'r> {
                     feet: &self.feet,
                     plan: &self.plan,
                 };
-                subject(&self.sample).descend(window, stage, &energy, trace, ticker)
+                use_it(&subject(&self.sample), &energy);
             }
-            (MotionObjective::Paper(_), None) => Ok(()),
+            (MotionObjective::Paper(_), None) => {}
         }
     }
 }
 
-/// Overlapping windows over `total` frames; a last one that would be short is made whole backwards.
+/// Overlapping windows over `total` frames; the last may be short.
 fn windows(total: usize, window: usize, overlap: usize) -> Vec<std::ops::Range<usize>> {
     let window = window.max(overlap + 1);
     let mut found = Vec::new();

@@ -11,9 +11,9 @@ mod lock;
 mod ours;
 mod paper;
 mod stance;
-mod variables;
 #[cfg(test)]
 mod tests;
+mod variables;
 
 pub use config::{MotionObjective, MotionWeights, PaperWeights, SequenceConfig, SequencePreset, Stage};
 pub use fitter::{SequenceFitter, SequenceTask, Sequenced};

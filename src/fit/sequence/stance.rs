@@ -56,14 +56,19 @@ const PUSH_M: f32 = 0.3;
 const PUSHES: usize = 24;
 /// Ground is what rises no steeper than this: cosine of 45 degrees.
 const GROUND_NORMAL: f32 = 0.7;
-/// Heights settle smoothly over some four frames.
-const SETTLE_SMOOTHING: f32 = 2.0;
+/// Heights settle smoothly over some four frames, and over some fifteen where a pinned frame has another height.
+const SETTLE_SMOOTHING: [f32; 2] = [2.0, 30.0];
 
 impl FootPlan {
     /// Places the planted feet of a motion so that none slides: each stance keeps the motion's own turns of the foot
     /// and rolls over whichever of heel, ball and toes moves least, at the height of the ground, out of furniture. A
     /// stance that begins or ends pinned keeps the pinned place.
-    pub fn of(feet: &Feet, field: &SignedDistanceField, task: &SequenceTask<'_>, figures: &[FrameJoints]) -> Self {
+    pub fn of(
+        feet: &Feet,
+        field: &SignedDistanceField,
+        task: &SequenceTask<'_>,
+        figures: &[FrameJoints],
+    ) -> Self {
         let mut plan = Self { places: vec![[None; 2]; figures.len()] };
         for side in 0..2 {
             for stance in stances(task, side, figures.len()) {
@@ -122,7 +127,8 @@ impl Stance<'_> {
             poses.iter_mut().for_each(|pose| pose.ankle += push);
         }
         let mut lifts: Vec<f32> = poses.iter().map(|pose| -self.height_m(pose)).collect();
-        Smoother::new(SETTLE_SMOOTHING, self.pinned).smooth(&mut lifts, 1);
+        let smoothing = SETTLE_SMOOTHING[usize::from(self.pinned.contains(&true))];
+        Smoother::new(smoothing, self.pinned).smooth(&mut lifts, 1);
         poses.iter_mut().zip(&lifts).for_each(|(pose, lift)| pose.ankle.y += *lift);
         poses
     }
@@ -205,4 +211,3 @@ pub fn ground_below_m(field: &SignedDistanceField, point: Vec3) -> Option<f32> {
     let (d, gradient) = field.sample_gradient(point);
     (gradient.y > GROUND_NORMAL).then(|| d / gradient.y)
 }
-

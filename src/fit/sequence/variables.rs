@@ -74,7 +74,8 @@ pub fn flatten(gradient: &PosedGradient, x: &[f32], from: Quat) -> [f32; NUMBERS
     flat[..TURN].copy_from_slice(&gradient.translation.to_array());
     let turn = turn_of(x);
     let by_turn_matrix = gradient.rotation * Mat3::from_quat(from).transpose();
-    let turned = rotation::pull_back_axis_angle(turn, &rotation::matrix_from_axis_angle(turn), &by_turn_matrix);
+    let turned =
+        rotation::pull_back_axis_angle(turn, &rotation::matrix_from_axis_angle(turn), &by_turn_matrix);
     flat[TURN..POSE].copy_from_slice(&turned.to_array());
     for (slot, joint) in flat[POSE..CODES].chunks_exact_mut(3).zip(&gradient.pose) {
         slot.copy_from_slice(&joint.to_array());

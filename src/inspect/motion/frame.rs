@@ -21,7 +21,7 @@ pub struct FrameRecord {
     pub non_collision: f32,
     /// Whether some vertex has a signed distance of zero or less (PSI §4.1.4).
     pub psi_contact: bool,
-    /// Whether some contact vertex is within [`CONTACT_M`] of a surface, on either side.
+    /// Whether some contact vertex is within [`CONTACT_M`] of a surface or in something solid.
     pub contact: bool,
     /// Deepest vertex in solid matter, millimetres.
     pub penetration_max_mm: f32,
@@ -99,7 +99,7 @@ impl<'a> FrameMeter<'a> {
         let free = distances.iter().filter(|d| **d > 0.0).count();
         record.non_collision = free as f32 / distances.len().max(1) as f32;
         record.psi_contact = free < distances.len();
-        record.contact = self.contact.iter().any(|v| distances[*v as usize].abs() <= CONTACT_M);
+        record.contact = self.contact.iter().any(|v| distances[*v as usize] <= CONTACT_M);
         let depths = || distances.iter().filter(|d| **d < 0.0).map(|d| -d * 1e3);
         let (penetrating, depth_sum_mm) = (depths().count(), depths().map(f64::from).sum::<f64>());
         record.penetration_max_mm = depths().fold(0.0, f32::max);
@@ -112,7 +112,12 @@ impl<'a> FrameMeter<'a> {
         let gap = |foot: &[Vec3; TREADS]| {
             foot.iter().map(|p| self.field.sample(*p)).fold(f32::INFINITY, f32::min).max(0.0) * 1e3
         };
-        planted.iter().zip(treads).filter(|(planted, _)| **planted).map(|(_, foot)| gap(foot)).fold(0.0, f32::max)
+        planted
+            .iter()
+            .zip(treads)
+            .filter(|(planted, _)| **planted)
+            .map(|(_, foot)| gap(foot))
+            .fold(0.0, f32::max)
     }
 
     /// Mean distance of the vertices of two frames, metres.

@@ -35,9 +35,9 @@ pub const SKATES_CM_PER_S: f32 = 2.0;
 pub struct MotionMetrics {
     /// LTM §4.3, PSI §4.1.4: share of vertices in free space, mean over the frames, per cent.
     pub non_collision_pct: f32,
-    /// Share of frames in which some vertex of PROX's contact segments is within [`super::CONTACT_M`] of a surface, on
-    /// either side, per cent. Ours for LTM's undefined "modified contact score": PSI's own counts penetration only, so
-    /// a body that rests exactly on the floor would score nothing.
+    /// Share of frames in which some vertex of PROX's contact segments is within [`super::CONTACT_M`] of a surface or in
+    /// something solid, per cent. Ours for LTM's undefined "modified contact score": PSI's own counts penetration only,
+    /// so a body that rests exactly on the floor would score nothing.
     pub contact_pct: f32,
     /// Share of frames in which some vertex has a signed distance of zero or less (PSI §4.1.4), per cent.
     pub psi_contact_pct: f32,
@@ -139,8 +139,10 @@ impl MotionMetrics {
     /// What follows from each frame by itself.
     fn of_frames(measured: &[Measured]) -> Self {
         let count = measured.len().max(1) as f32;
-        let mean = |of: &dyn Fn(&FrameRecord) -> f32| measured.iter().map(|m| of(&m.record)).sum::<f32>() / count;
-        let most = |of: &dyn Fn(&FrameRecord) -> f32| measured.iter().map(|m| of(&m.record)).fold(0.0, f32::max);
+        let mean =
+            |of: &dyn Fn(&FrameRecord) -> f32| measured.iter().map(|m| of(&m.record)).sum::<f32>() / count;
+        let most =
+            |of: &dyn Fn(&FrameRecord) -> f32| measured.iter().map(|m| of(&m.record)).fold(0.0, f32::max);
         let share = |of: &dyn Fn(&FrameRecord) -> bool| mean(&|r| f32::from(u8::from(of(r))));
         let depth: f64 = measured.iter().map(|m| m.depth_sum_mm).sum();
         let deep: usize = measured.iter().map(|m| m.penetrating).sum();
@@ -181,9 +183,7 @@ fn facing(frame: &Frame, at: &Measured, goal: &SubGoal) -> f32 {
     let direction = match pose {
         GoalPose::Lie => to_feet(at),
         // Somebody who lies, though nobody asked for lying: the spine is nearer to level than to upright.
-        GoalPose::Any if (frame.rotation * Vec3::Y).y < std::f32::consts::FRAC_1_SQRT_2 => {
-            to_feet(at)
-        }
+        GoalPose::Any if (frame.rotation * Vec3::Y).y < std::f32::consts::FRAC_1_SQRT_2 => to_feet(at),
         _ => front,
     };
     facing_of(Vec2::new(direction.x, direction.z))

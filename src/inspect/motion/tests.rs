@@ -48,7 +48,8 @@ fn somebody_who_stands_still_has_no_fault() {
     let m = report.metrics;
     assert_eq!((m.non_collision_pct, m.contact_pct, m.psi_contact_pct), (100.0, 100.0, 0.0));
     assert_eq!((m.skate_cm_per_s, m.stance_drift_cm, m.penetration_max_mm), (0.0, 0.0, 0.0));
-    assert_eq!((m.jitter_m_per_s3, m.goal_error_cm, m.collision_frame_share), (0.0, None, 0.0));
+    assert_eq!((m.goal_error_cm, m.collision_frame_share), (None, 0.0));
+    assert!(m.jitter_m_per_s3 < 0.01, "rounding only: {}", m.jitter_m_per_s3);
     assert!(m.hover_max_mm < 20.0, "{m:?}");
     assert!(report.findings(0, &MotionLimits::default()).is_empty());
 }
@@ -77,8 +78,7 @@ fn a_foot_that_rolls_from_heel_to_toes_does_not_slide() {
     let roll = [foot(0.0, 0.14), foot(0.0, 0.17), foot(0.0, 0.18), foot(0.03, 0.18), foot(0.07, 0.18)];
     assert_eq!(stance_drift_m(&roll), 0.0);
     assert_eq!(tread_speed_m_per_s(&roll[0], &roll[1], 30.0), 0.0);
-    let slides: Vec<[Vec3; TREADS]> =
-        (0..4).map(|i| foot(0.01 * i as f32, 0.15 + 0.01 * i as f32)).collect();
+    let slides: Vec<[Vec3; TREADS]> = (0..4).map(|i| foot(0.01 * i as f32, 0.15 + 0.01 * i as f32)).collect();
     assert!((stance_drift_m(&slides) - 0.03).abs() < 1e-6);
     // To and fro: the farthest point counts, not the end.
     assert!((stance_drift_m(&[slides[0], slides[2], slides[0]]) - 0.02).abs() < 1e-6);
@@ -139,16 +139,19 @@ fn a_goal_is_missed_by_its_distance_along_the_floor_and_by_its_angle() {
         locked: false,
         body,
     };
-    let pelvis = |frame: &Frame| {
-        Body::bundled().model.joint_template[PELVIS] + frame.translation
-    };
+    let pelvis = |frame: &Frame| Body::bundled().model.joint_template[PELVIS] + frame.translation;
     let mut end = moved(Vec3::X * 0.5);
     end.rotation = Quat::from_rotation_y(0.3);
     let start = standing();
     let off_body = Frame { translation: end.translation + Vec3::Z * 0.07, ..end.clone() };
     let goals = vec![
         goal(0, pelvis(&start).with_y(0.0), 0.0, Some(start.clone())),
-        goal(1, pelvis(&end).with_y(0.0) + Vec3::new(0.03, 0.0, 0.04), 0.3 + 10.0_f32.to_radians(), Some(off_body)),
+        goal(
+            1,
+            pelvis(&end).with_y(0.0) + Vec3::new(0.03, 0.0, 0.04),
+            0.3 + 10.0_f32.to_radians(),
+            Some(off_body),
+        ),
     ];
     let legs = vec![Leg { from: SubGoalId(0), to: SubGoalId(1), first: 0, last: 1, key: 1 }];
     let clip = Clip { goals, legs, ..clip(vec![start, end]) };
