@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::state::EditorState;
-use crate::document::Project;
 use crate::document::remove_leftover;
 use crate::job::{Job, Outcome, Seed};
 
@@ -52,11 +51,7 @@ impl Autosave {
             return Some(left);
         }
         self.last = Instant::now();
-        let project = Project {
-            scene: document.scene().clone(),
-            next_person: document.next_person(),
-            next_object: document.next_object(),
-        };
+        let project = document.project();
         let (engine, path) = (state.engine().clone(), self.path.clone());
         let work = move |cx: &crate::job::JobCtx| engine.save(&path, &project, cx.ticker());
         let job = Job::spawn("Autosave", Seed::root(0), state.waker(), work);

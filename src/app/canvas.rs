@@ -31,6 +31,9 @@ use crate::scene::Room;
 const GHOST_ALPHA: f32 = 0.45;
 /// How much is seen of the one candidate or earlier body that the user looks at.
 const SHOWN_ALPHA: f32 = 0.8;
+/// While things move, a software adapter draws every other pixel of every other row: it shares the processor with the
+/// job that moves them.
+const DRAFT: u32 = 2;
 /// Ghosts are drawn this often on a software adapter.
 const GHOSTS_EVERY: Duration = Duration::from_millis(500);
 /// After this long without a move the picture is drawn at full quality.
@@ -124,9 +127,10 @@ impl Canvas {
         let size = [(rect.width() * scale).round() as u32, (rect.height() * scale).round() as u32];
         let slow = self.gpu.as_ref().is_some_and(|gpu| gpu.context.is_software());
         let moving = slow && (is_moving(ui) || state.jobs.populating());
+        let coarser = if moving { DRAFT } else { 1 };
         let wanted = Drawn {
             camera: state.orbit.camera(),
-            size: size.map(|side| side.max(1)),
+            size: size.map(|side| (side / coarser).max(1)),
             revision: state.document.revision(),
             heat_ready: state.measurements,
             selected: state.selection.iter().collect(),

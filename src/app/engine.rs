@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::assets::PersonKeypoints;
+use crate::document::NextIds;
 use crate::document::Project;
 use crate::evolve::PopulatePreview;
 use crate::generate::sensor::SceneImage;
@@ -82,10 +83,8 @@ pub struct Opened {
 pub struct OpenedProject {
     /// The file that *Save* writes.
     pub path: PathBuf,
-    /// First free person id.
-    pub next_person: u32,
-    /// First free object id.
-    pub next_object: u32,
+    /// The ids that are free.
+    pub next: NextIds,
 }
 
 /// People to make; an owned snapshot, a job never sees the document.

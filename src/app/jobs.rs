@@ -13,7 +13,6 @@ use super::selection::Item;
 use super::state::{EditorState, Leaving, Overlay};
 use crate::document::Command;
 use crate::document::Document;
-use crate::document::Project;
 use crate::document::RoomVersion;
 use crate::evolve::PopulatePreview;
 use crate::generate::sensor::SceneImage;
@@ -216,11 +215,7 @@ impl EditorState {
     /// Starts to write the project.
     pub fn start_saving(&mut self, path: PathBuf) {
         self.document.commit();
-        let project = Project {
-            scene: self.document.scene().clone(),
-            next_person: self.document.next_person(),
-            next_object: self.document.next_object(),
-        };
+        let project = self.document.project();
         let (engine, target) = (self.engine.clone(), path.clone());
         let work = move |cx: &crate::job::JobCtx| engine.save(&target, &project, cx.ticker());
         let name = format!("Save {}", file_name(&path));
@@ -486,7 +481,7 @@ impl EditorState {
         match opened.project {
             Some(project) => {
                 let mut document = Document::new(opened.scene);
-                document.reserve_ids(project.next_person, project.next_object);
+                document.reserve_ids(project.next);
                 self.exchange_document(document);
                 self.project = (!recovered).then_some(project.path);
             }

@@ -255,7 +255,7 @@ fn open_sample(number: usize, source: &Source, ticker: &Ticker) -> Result<Opened
 
 fn open_project(path: &Path, source: &Source) -> Result<Opened, Stop> {
     let loaded = load_project(path)?;
-    let Project { scene, next_person, next_object } = loaded.project;
+    let Project { scene, next } = loaded.project;
     let summary = ImportSummary {
         source: source.clone(),
         name: scene.room.name.clone(),
@@ -267,7 +267,7 @@ fn open_project(path: &Path, source: &Source) -> Result<Opened, Stop> {
         evidence: Vec::new(),
         notes: loaded.notes,
     };
-    let project = Some(OpenedProject { path: path.to_path_buf(), next_person, next_object });
+    let project = Some(OpenedProject { path: path.to_path_buf(), next });
     Ok(Opened { scene, summary, project })
 }
 

@@ -7,6 +7,7 @@
 //! SMPL-X's order ([`joints`]).
 
 mod export;
+mod export_clip;
 mod families;
 mod feet;
 mod hand_space;
@@ -26,6 +27,7 @@ mod subset;
 mod workspace;
 
 pub use export::skinned_mesh;
+pub use export_clip::{amass_motion, rig_motion, skinned_clip};
 pub use families::{FamilyHints, LeanStyle, SampledPose, sample_pose};
 pub use feet::{Feet, FootPose, TREADS};
 pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace, HandSpaceError};

@@ -5,8 +5,10 @@
 //! never changes anything but through a fact that it can take back.
 
 mod change;
+mod clips;
 mod command;
 mod decide;
+mod decide_clips;
 mod files;
 mod history;
 mod project;
@@ -14,7 +16,7 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-pub use change::{Change, Numbered, ObjectState, RoomState, RoomVersion};
+pub use change::{Change, NextIds, Numbered, ObjectState, RoomState, RoomVersion};
 pub use command::{Command, Refused};
 pub use files::{LoadedProject, ProjectError, load_project, save_project, write_folder};
 pub use history::Document;
