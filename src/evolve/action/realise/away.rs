@@ -21,7 +21,7 @@ pub const MOST_FAILURES: usize = 2000;
 const NEARBY: f32 = 0.3;
 /// How near that is.
 const NEARBY_M: f32 = 0.6;
-/// Farther than this a stack or the floor is better.
+/// Farther than this a stack, then the floor is better.
 const FARTHEST_M: f32 = 3.0;
 /// Highest stack over what it stands on.
 const HIGHEST_STACK_M: f32 = 0.35;
@@ -177,6 +177,7 @@ impl Away<'_> {
             .filter(|base| item.shape.plan_m2() < LARGER * base.shape.plan_m2())
             .filter(|base| self.world.carried_by(base.id).is_empty())
             .map(|base| (base.pose.at.distance(item.pose.at), base))
+            .filter(|(distance_m, _)| *distance_m < FARTHEST_M)
             .collect();
         bases.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.id.cmp(&b.1.id)));
         let avoid = Avoid { lifted: self.lifted, balls: self.balls };

@@ -12,7 +12,7 @@ use super::perform::Performance;
 use super::spot::PlacedPerson;
 use super::stage::Stage;
 use super::step::{EvolutionStep, Inserted, MoveReason, Moved, StepPerson};
-use super::world::{Held, Item, Source, World};
+use super::world::{Held, Item, World};
 use crate::evolve::action::{ActionGraph, ActionKind, ActionModel, ActionNode, KeyRelation, Posture};
 use crate::job::Seed;
 use crate::scene::{ObjectId, PoseFamily, Room};
@@ -353,9 +353,4 @@ fn why_off(node: &ActionNode, stage: &Stage, config: &EvolutionConfig) -> Option
     };
     let there = stage.places.iter().any(|p| fits(p.family) && on_key(p.support));
     (!there).then(|| format!("nobody can be {} on the {} here", node.posture.label(), node.key.label()))
-}
-
-/// Whether an action brought a thing.
-pub fn was_brought(item: &Item) -> bool {
-    matches!(item.source, Source::Brought { .. })
 }

@@ -1,12 +1,14 @@
 //! The person of an action before anybody fits them: a representative pose, where its centre is, and balls along its
 //! bones for what must keep clear of it.
 
+use std::sync::LazyLock;
+
 use glam::{Affine3A, Mat3, Vec3};
 
 use super::world::Ball;
 use crate::body::{Body, FamilyHints, Region, joints, sample_pose};
 use crate::evolve::action::PersonFrame;
-use crate::fit::{Limb, bone_spheres};
+use crate::fit::{BoneSphere, Limb, bone_spheres};
 use crate::job::Rng;
 use crate::scene::{BETAS, BodyParams, PoseFamily};
 
@@ -20,10 +22,8 @@ pub struct Figure {
     pub family: PoseFamily,
     /// The pose, pelvis joint at the origin.
     pub params: BodyParams,
-    /// Torso and legs, and head.
+    /// Torso, legs, head and upper arms; forearms and hands lie on what people use.
     trunk: Vec<Ball>,
-    /// Forearms and hands: they lie on what people use.
-    hands: Vec<Ball>,
     /// Middle of the torso.
     centre: Vec3,
     /// Lowest point of what the person rests on: the seat of the trousers, the soles, the back.
@@ -61,16 +61,11 @@ impl Figure {
             "lie" => posed.vertices.iter().map(|v| v.y).fold(f32::INFINITY, f32::min),
             _ => soles_m,
         };
-        let (mut trunk, mut hands) = (Vec::new(), Vec::new());
-        for bone in bone_spheres(body) {
-            let ball = (bone.center(&posed.joints), bone.radius_m);
-            match bone.limb {
-                Limb::LeftArm | Limb::RightArm => hands.push(ball),
-                _ => trunk.push(ball),
-            }
-        }
+        let is_trunk = |bone: &BoneSphere| !matches!(bone.limb, Limb::LeftArm | Limb::RightArm);
+        let ball = |bone: &BoneSphere| (bone.center(&posed.joints), bone.radius_m);
+        let trunk = bones().iter().filter(|b| is_trunk(b)).map(ball).collect();
         let centre = PersonFrame::of_joints(posed.joints.as_slice()).centre_m;
-        Self { family, params, trunk, hands, centre, low_m, soles_m }
+        Self { family, params, trunk, centre, low_m, soles_m }
     }
 
     /// The pelvis joint's height over what the person rests on.
@@ -102,17 +97,16 @@ impl Figure {
         self.trunk_at(spot).into_iter().map(|(at, r)| (at, r * SOFT)).collect()
     }
 
-    /// Everything, arms too.
-    pub fn all_at(&self, spot: &Spot) -> Vec<Ball> {
-        let place = placed(spot);
-        let hands = self.hands.iter().map(|(at, r)| (place.transform_point3(*at), *r));
-        self.trunk_at(spot).into_iter().chain(hands).collect()
-    }
-
     /// The frame of the learned layouts there.
     pub fn frame_at(&self, spot: &Spot) -> PersonFrame {
         PersonFrame { centre_m: placed(spot).transform_point3(self.centre), facing_rad: spot.facing_rad }
     }
+}
+
+/// Balls along the bones of the bundled body.
+fn bones() -> &'static [BoneSphere] {
+    static BONES: LazyLock<Vec<BoneSphere>> = LazyLock::new(|| bone_spheres(Body::bundled()));
+    &BONES
 }
 
 fn placed(spot: &Spot) -> Affine3A {

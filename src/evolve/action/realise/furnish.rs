@@ -8,7 +8,7 @@ use super::library::{Library, Thing};
 use super::stage::Stage;
 use super::world::{Item, Source, World};
 use crate::assets::Material;
-use crate::scene::{Category, Object, ObjectId, ObjectPart, Room};
+use crate::scene::{Category, Object, ObjectPart, Room};
 
 /// The room of `stage` with everything where `world` has it. Moved objects keep their meshes, materials and numbers.
 pub fn room(stage: &Stage, world: &World, library: &Library) -> Room {
@@ -60,9 +60,4 @@ fn object_of(item: &Item, thing: &Thing, first_material: usize, library: &Librar
         visible: true,
         locked: item.locked,
     }
-}
-
-/// Numbers of the objects that were brought.
-pub fn brought(world: &World) -> Vec<ObjectId> {
-    world.items().filter(|i| matches!(i.source, Source::Brought { .. })).map(|i| i.id).collect()
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::assets::{Model, furniture_model, library_text, object_model};
@@ -331,6 +332,14 @@ impl Library {
         let thing = Arc::new(Thing::new(model, read, spec.rests.get(rest).copied().unwrap_or_default()));
         self.made.lock().unwrap_or_else(PoisonError::into_inner).insert(key, thing.clone());
         Ok(thing)
+    }
+
+    /// Makes every look of every kind, on all threads, so that no action waits for a file to be read. Kinds whose
+    /// models are missing are told when they are asked for.
+    pub fn warm(&self) {
+        let looks: Vec<(KindId, usize)> =
+            self.kinds().flat_map(|(id, _)| (0..self.looks(id)).map(move |look| (id, look))).collect();
+        looks.par_iter().for_each(|(id, look)| drop(self.thing(*id, *look)));
     }
 
     fn model(&self, name: &str) -> Result<Arc<Model>, String> {

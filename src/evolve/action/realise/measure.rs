@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::evolution::Evolution;
 use super::world::{Held, Item, Lifted, Onto, Pose, Source, World, flat};
 use crate::math::Aabb;
-use crate::scene::{ObjectId, WalkableFloor};
+use crate::scene::WalkableFloor;
 
 /// Deeper than this is an interpenetration.
 pub const PENETRATION_MM: f32 = 2.0;
@@ -154,7 +154,9 @@ fn least_shift_mm(meets: &dyn Fn(Vec3) -> bool) -> f32 {
 
 /// Why a thing would fall, for people; `None` when something is right under it and it does not tip.
 fn not_held(world: &World, item: &Item) -> Option<String> {
-    let lifted = Lifted::from([item.id]);
+    // What stands on it is not under it.
+    let mut lifted = Lifted::from([item.id]);
+    lifted.extend(world.carried_by(item.id));
     let foot_m = item.pose.at.y + item.shape.bounds.min.y;
     let onto = match item.held {
         Held::Surface(number) => {
@@ -262,10 +264,4 @@ fn flood(free: &[bool], nx: usize, nz: usize) -> Vec<bool> {
     let mut largest = vec![false; free.len()];
     best.into_iter().for_each(|cell| largest[cell] = true);
     largest
-}
-
-/// Objects that an evolution touched, by number.
-pub fn touched(evolution: &Evolution) -> Vec<ObjectId> {
-    let world = evolution.world();
-    world.items().filter(|i| is_touched(world, i)).map(|i| i.id).collect()
 }

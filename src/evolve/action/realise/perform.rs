@@ -1,5 +1,6 @@
 //! One action, from the choice of a place to the last thing out of the way (ADSE §5.2 and §5.3).
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -156,6 +157,7 @@ impl<'a> Performance<'a> {
                 lifted: &self.lifted,
                 others: &self.people,
                 apart_m: self.node.group.as_ref().map(|g| g.people_apart_m),
+                figures: RefCell::default(),
             };
             match finder.find(rng, likes) {
                 Ok(person) => self.seat(person),

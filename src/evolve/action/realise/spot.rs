@@ -1,6 +1,8 @@
 //! Where the person of an action goes (ADSE §5.2): on the key object, or around it on a chair or on their feet.
 //! Drawn places are rejected until one is free.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
@@ -104,6 +106,8 @@ pub struct SpotFinder<'a> {
     pub others: &'a [PlacedPerson],
     /// How far people are from each other, metres (eq. 7).
     pub apart_m: Option<[f32; 2]>,
+    /// The person as drawn for each family: places are tried with one and the same body.
+    pub figures: RefCell<BTreeMap<PoseFamily, Arc<Figure>>>,
 }
 
 impl SpotFinder<'_> {
@@ -150,6 +154,13 @@ impl SpotFinder<'_> {
         }
     }
 
+    /// The person in a family, drawn at the first place that asks.
+    fn figure(&self, family: PoseFamily, hints: &FamilyHints, rng: &mut Rng) -> Arc<Figure> {
+        let mut figures = self.figures.borrow_mut();
+        let drawn = || Arc::new(Figure::draw(Body::bundled(), family, hints, rng));
+        figures.entry(family).or_insert_with(drawn).clone()
+    }
+
     fn is_table(&self) -> bool {
         !matches!(self.node.key, KeyObject::Bed | KeyObject::Couch)
     }
@@ -193,7 +204,7 @@ impl SpotFinder<'_> {
             ..FamilyHints::default()
         };
         let family = if (0.7..1.2).contains(&edge.drop_m) { PoseFamily::Lean } else { PoseFamily::Stand };
-        let figure = Figure::draw(Body::bundled(), family, &hints, rng);
+        let figure = self.figure(family, &hints, rng);
         let y = floor_m + figure.pelvis_over_soles_m();
         let spot = Spot { pelvis: Vec3::new(pelvis.x, y, pelvis.y), facing_rad };
         let under = Vec3::new(pelvis.x, floor_m, pelvis.y);
@@ -237,7 +248,7 @@ impl SpotFinder<'_> {
             ..FamilyHints::default()
         };
         let family = if seat.front.is_some() { PoseFamily::SitChair } else { PoseFamily::SitStool };
-        let figure = Figure::draw(Body::bundled(), family, &hints, rng);
+        let figure = self.figure(family, &hints, rng);
         let y = seat_m + figure.pelvis_over_rest_m() - SINK_M;
         let spot = Spot { pelvis: Vec3::new(pelvis.x, y, pelvis.y), facing_rad };
         let under = Vec3::new(pelvis.x, seat_m, pelvis.y);
@@ -349,7 +360,7 @@ impl SpotFinder<'_> {
             left <= 0.0
         })?)
         .clone();
-        let figure = Figure::draw(Body::bundled(), place.family, &place.hints, rng);
+        let figure = self.figure(place.family, &place.hints, rng);
         // A place for lying looks to where the head goes; on the back the front is the feet's end.
         let front = if place.family == PoseFamily::LieUp { -place.facing } else { place.facing };
         let y = place.under_pelvis.y + figure.pelvis_over_rest_m() - SINK_M;
@@ -360,7 +371,7 @@ impl SpotFinder<'_> {
     /// The person, if they run into nothing that can't be moved out of their way and into nobody.
     fn free(
         &self,
-        figure: Figure,
+        figure: Arc<Figure>,
         spot: Spot,
         chair: Option<ChairUse>,
         place: Place,
@@ -396,7 +407,7 @@ impl SpotFinder<'_> {
             return None;
         }
         let on = chair.as_ref().map_or_else(|| place.on.clone(), |_| "chair".to_owned());
-        Some(PlacedPerson { figure: Arc::new(figure), spot, frame, chair, on, place })
+        Some(PlacedPerson { figure, spot, frame, chair, on, place })
     }
 }
 

@@ -103,6 +103,7 @@ impl Stage {
             Err(Cancelled) => ControlFlow::Break(()),
         };
         ticker.stage("understanding what stays", 0)?;
+        library.warm();
         let geometry =
             RoomGeometry::build(&fixed, &GeometryConfig::default(), &step).map_err(|_| Cancelled)?;
         let places = all_places(&fixed, &geometry, Seed::root(0), ticker)?;

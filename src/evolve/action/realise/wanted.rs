@@ -88,11 +88,6 @@ impl<'a> Layout<'a> {
         Self { node, library, frame, placed: Vec::new() }
     }
 
-    /// The person's frame.
-    pub fn frame(&self) -> &PersonFrame {
-        &self.frame
-    }
-
     /// A thing is there now; others are placed with respect to it.
     pub fn add(&mut self, label: &str, at: Vec3) {
         self.placed.push((label.to_owned(), at));
