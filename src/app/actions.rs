@@ -736,3 +736,14 @@ pub fn export_motion(state: &mut EditorState) {
     let format = state.motion.export.format;
     state.ask_motion_export(format);
 }
+
+/// Shows the frame of a finding in a motion and selects the motion.
+pub fn go_to_clip_finding(state: &mut EditorState, number: usize) {
+    let Some((clip, finding)) = state.clip_findings().get(number).cloned() else { return };
+    state.activate_clip(clip.id);
+    state.selection.only(Item::Clip(clip.id));
+    if let Some(frame) = finding.site.frame {
+        go_to_frame(state, &clip, frame as usize);
+    }
+    state.requests.show_timeline = true;
+}
