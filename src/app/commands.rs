@@ -5,7 +5,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::actions;
 use super::orbit::AxisView;
-use super::state::EditorState;
+use super::state::{EditorState, Overlay};
 
 /// One command.
 pub struct CommandInfo {
@@ -223,6 +223,7 @@ pub const COMMANDS: &[CommandInfo] = commands! {
     "why" Inspect "Why like this" [SHIFT W] "Shows what the sampler saw and what the fit made of it." if has_room => actions::show_why;
     "before" Inspect "Before the fit" [NONE B] "Shows the selected person as sampled, before the fit, as a ghost." if people_selected => actions::toggle_before;
     "networks" Inspect "Networks" [] "Training curves and figures of the bundled networks." if always => actions::show_networks;
+    "study" Inspect "Human study..." [] "Shows results of several methods blind and in random order; raters score them from 1 to 5." if always => |s| s.overlay = Overlay::Study;
     "measure" Inspect "Measure selected again" [] "Measures the selected people anew." if people_selected => actions::measure_again;
 
     "palette" Help "Command palette" [CTRL K, CTRL P, NONE F3] "Finds and runs any command." if always => actions::show_palette;

@@ -487,6 +487,11 @@ impl EditorState {
         self.poll_making();
         self.poll_clip_measure();
         self.poll_motion_export();
+        self.poll_study();
+        if self.study.is_some() {
+            // Nothing is measured while somebody rates: the processor belongs to what is shown.
+            return;
+        }
         self.keep_geometry_fresh();
         self.start_wanted();
         self.keep_measured_fresh();
@@ -554,7 +559,7 @@ impl EditorState {
     }
 
     /// Another document altogether: nothing that was computed for the old one may be taken for it.
-    fn exchange_document(&mut self, document: Document) {
+    pub(super) fn exchange_document(&mut self, document: Document) {
         self.document = document;
         self.project = None;
         self.measured.clear();

@@ -33,6 +33,7 @@ mod sampling;
 mod screenshot;
 mod selection;
 mod state;
+mod study;
 #[cfg(test)]
 mod tests;
 mod theme;

@@ -16,6 +16,7 @@ use super::photo::PhotoPanel;
 use super::rooms::NewRoom;
 use super::samples::{Origin, Seen, Sheet};
 use super::selection::{Item, Selection};
+use super::study::{StudyRun, StudySetup};
 use super::transform::Transform;
 use crate::document::Command;
 use crate::document::Document;
@@ -92,6 +93,8 @@ pub enum Overlay {
     NewRoom,
     /// Export of motions: format and path.
     ExportMotion,
+    /// What a study with human raters is to show.
+    Study,
     /// The bundled networks: curves and figures of the one with this number.
     Networks(usize),
 }
@@ -251,6 +254,10 @@ pub struct EditorState {
     pub motion: MotionPanel,
     /// Who was made last, for re-rolls without a selection.
     pub last_made: Vec<PersonId>,
+    /// The next study with human raters.
+    pub study_setup: StudySetup,
+    /// The study that runs.
+    pub study: Option<StudyRun>,
     /// What the window is to do.
     pub requests: WindowRequests,
     /// Width over height of the viewport, for framing.
@@ -291,6 +298,8 @@ impl EditorState {
             new_room: NewRoom::default(),
             motion: MotionPanel::default(),
             last_made: Vec::new(),
+            study_setup: StudySetup::default(),
+            study: None,
             requests: WindowRequests::default(),
             aspect: 1.5,
             measurements: 0,

@@ -144,7 +144,10 @@ impl Engine for FakeEngine {
     }
 
     fn open(&self, source: &Source, _: &Ticker) -> Result<Opened, Stop> {
-        if let Source::File(path, _) = source {
+        let is_result = |path: &Path| path.extension().is_some_and(|e| e == "inhabit");
+        if let Source::File(path, _) = source
+            && !is_result(path)
+        {
             return Err(Stop::Failed(format!("{}, byte 0: the file is empty", path.display())));
         }
         let objects =
@@ -939,6 +942,7 @@ fn every_page_has_names_for_its_widgets_and_letters_that_can_be_read() {
         Overlay::Recover(PathBuf::from("kept.inhabit")),
         Overlay::Networks(0),
         Overlay::ExportMotion,
+        Overlay::Study,
     ];
     user.places(&[(-0.5, 0.0), (0.5, 0.5), (0.5, -0.5)]);
     user.synthesises();
@@ -1166,4 +1170,40 @@ fn a_seat_is_a_place_to_sit_for_a_sub_goal_that_takes_whatever_suits() {
     user.state().motion.options.pose = GoalPose::Walk;
     user.places(&[(0.4, 0.2)]);
     assert_eq!((user.clip().goals[1].pose, user.clip().goals[1].stay_s), (GoalPose::Walk, 0.0));
+}
+
+#[test]
+fn a_study_is_blind_scored_by_key_and_leaves_the_users_room_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    for method in ["ours", "theirs"] {
+        std::fs::create_dir(folder.path().join(method)).unwrap();
+        for task in ["door", "sofa"] {
+            std::fs::write(folder.path().join(method).join(format!("{task}.inhabit")), b"").unwrap();
+        }
+    }
+    let mut user = User::opens_the_study();
+    user.populates(2);
+    user.state().study_setup.folder = folder.path().display().to_string();
+    user.state().study_setup.rater = "Ada".to_owned();
+    super::commands::find("study").map(|c| (c.run)(user.state()));
+    user.sees();
+    user.harness.get_by_label("Begin").click();
+    user.sees();
+    for (number, key) in [Key::Num4, Key::Num2, Key::Num5, Key::Num1].into_iter().enumerate() {
+        user.waits(|state| state.study.as_ref().is_some_and(super::study::StudyRun::is_shown));
+        let text = format!("{} of 4", number + 1);
+        user.harness.get_by_label(&text);
+        for giveaway in ["ours", "theirs", "door", "sofa"] {
+            assert_eq!(user.harness.query_all_by_label_contains(giveaway).count(), 0, "{giveaway} is shown");
+        }
+        user.presses(Modifiers::NONE, key);
+    }
+    user.waits(|state| state.study.as_ref().is_some_and(|run| !run.summary.is_empty()));
+    user.harness.get_by_label("Thank you: everything is scored.");
+    user.presses(Modifiers::NONE, Key::Escape);
+    assert!(user.people() == 2 && user.state().study.is_none() && user.state().document.is_dirty());
+    let scores = std::fs::read_to_string(folder.path().join("scores-Ada.csv")).unwrap();
+    assert_eq!(scores.lines().count(), 5);
+    let summary = std::fs::read_to_string(folder.path().join("summary.csv")).unwrap();
+    assert!(summary.starts_with("method,scores,mean,standard_deviation\nours,2,"), "{summary}");
 }

@@ -234,7 +234,9 @@ fn wheel(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect, flyi
 fn hovered(ui: &Ui, state: &EditorState, response: &Response, rect: Rect) -> Option<Picked> {
     let at = response.hover_pos()?;
     let busy = response.dragged() || ui.input(|i| i.pointer.any_down() && !i.pointer.any_pressed());
-    (response.contains_pointer() && !busy && state.has_room()).then(|| picked_at(state, rect, at)).flatten()
+    (response.contains_pointer() && !busy && state.has_room() && state.study.is_none())
+        .then(|| picked_at(state, rect, at))
+        .flatten()
 }
 
 fn click(ui: &Ui, state: &mut EditorState, response: &Response, hovered: Option<Picked>) {

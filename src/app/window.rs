@@ -155,7 +155,11 @@ impl Window {
     fn show_title(&mut self, ctx: &Context) {
         let name = &self.state.document.scene().room.name;
         let mark = if self.state.document.is_dirty() { "*" } else { "" };
-        let title = if name.is_empty() { "Inhabit".to_owned() } else { format!("{name}{mark} - Inhabit") };
+        let title = if name.is_empty() || self.state.study.is_some() {
+            "Inhabit".to_owned()
+        } else {
+            format!("{name}{mark} - Inhabit")
+        };
         if title != self.title {
             ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;
@@ -177,7 +181,7 @@ impl Window {
         let events = ctx.input(|i| i.events.clone());
         for event in events {
             let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { continue };
-            if !typing && self.state.key_in_transform(key, modifiers) {
+            if !typing && (self.state.key_in_study(key) || self.state.key_in_transform(key, modifiers)) {
                 ctx.input_mut(|i| i.consume_key(modifiers, key));
                 continue;
             }
@@ -285,6 +289,18 @@ impl Window {
         }
     }
 
+    /// A study shows the view and the scale, and nothing that could give away what is shown.
+    fn show_study(&mut self, ui: &mut Ui, ctx: &Context) {
+        egui::Panel::bottom("study").show(ui, |ui| panels::study_bar(ui, &mut self.state));
+        let frame = egui::Frame::central_panel(ui.style()).inner_margin(0);
+        egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+            viewport::viewport(ui, &mut self.state, &mut self.canvas);
+        });
+        panels::overlays(ctx, &mut self.state);
+        panels::toasts(ctx, &mut self.state);
+        self.do_requests(ctx);
+    }
+
     fn dock(&mut self, ui: &mut Ui) {
         let (state, canvas) = (&mut self.state, &mut self.canvas);
         let mut panes = Panes { state, canvas, over_viewport: &mut self.over_viewport };
@@ -319,6 +335,9 @@ impl eframe::App for Window {
         self.take_keys(&ctx);
         self.take_drops(&ctx);
         self.guard_close(&ctx);
+        if self.state.study.is_some() {
+            return self.show_study(ui, &ctx);
+        }
         egui::Panel::top("menu").show(ui, |ui| panels::menu_bar(ui, &mut self.state));
         let render = RenderStatus { adapter: self.canvas.adapter(), frame_ms: self.canvas.frame_ms() };
         egui::Panel::bottom("status").show(ui, |ui| panels::status_bar(ui, &mut self.state, &render));

@@ -24,6 +24,7 @@ pub fn overlays(ctx: &Context, state: &mut EditorState) {
         Overlay::SavePath(text) => save_path(ctx, state, text),
         Overlay::ExportPath(text) => export_path(ctx, state, text),
         Overlay::ExportMotion => export_motion(ctx, state),
+        Overlay::Study => super::study::study_setup(ctx, state),
         Overlay::Import => window(ctx, state, "Import report", 460.0, import_report),
         Overlay::History => window(ctx, state, "History", 300.0, history),
         Overlay::Notifications => window(ctx, state, "Notifications", 460.0, notifications),
