@@ -5,6 +5,7 @@ pub mod capture;
 pub mod learned;
 pub mod leg;
 pub mod local;
+pub mod plan;
 pub mod planted;
 pub mod retrieval;
 pub mod room_points;
