@@ -14,7 +14,7 @@ use crate::job::{Seed, Stop, Ticker};
 use crate::learn::corpus::Split;
 use crate::motion::capture::{Recording, record, resampled};
 use crate::nn::motion::BETWEEN;
-use crate::scene::{CLIP_FPS, Frame, POSE};
+use crate::scene::{Frame, POSE};
 
 /// Longest take, frames: seven seconds. Rooms of longer ones would be halls.
 const LONGEST: usize = 210;
@@ -234,9 +234,4 @@ fn codes_key(body: &Body, frames: &[Frame]) -> String {
     // Another prior decodes the same code to another pose.
     body.pose_space.decode(&[0.4; POSE]).iter().for_each(&mut write);
     format!("pose codes {CODES_VERSION} {:032x}", hasher.finish())
-}
-
-/// Seconds of a take.
-pub fn seconds(frames: &[Frame]) -> f32 {
-    frames.len().saturating_sub(1) as f32 / CLIP_FPS
 }
