@@ -86,7 +86,7 @@ pub struct Take {
     pub split: Split,
     /// What is done.
     pub activity: Activity,
-    /// The motion, [`CLIP_FPS`] frames a second, floor at y = 0.
+    /// The motion, 30 frames a second, floor at y = 0.
     pub frames: Vec<Frame>,
     /// The pose code of each frame.
     pub codes: Vec<[f32; POSE]>,
