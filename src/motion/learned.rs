@@ -149,7 +149,11 @@ impl LearnedMotion {
     }
 }
 
-fn sampler_of(weights: &Weights, expected: MotionKind) -> Result<MotionSampler, LearnedMotionError> {
+/// The sampler of a weight file that must hold this network.
+pub(super) fn sampler_of(
+    weights: &Weights,
+    expected: MotionKind,
+) -> Result<MotionSampler, LearnedMotionError> {
     let sampler = MotionSampler::from_weights(weights)?;
     let found = sampler.config().kind;
     if found == expected {
