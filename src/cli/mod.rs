@@ -13,6 +13,7 @@ mod generate;
 mod import;
 mod inspect;
 mod load;
+mod move_room;
 mod network;
 mod output;
 mod pictures;
@@ -109,6 +110,8 @@ pub enum Command {
     Inspect(inspect::InspectArguments),
     /// Put people into a room and write them, a report and pictures.
     Generate(generate::GenerateArguments),
+    /// Let somebody walk, sit down, lie and get up in a room, and write the motion.
+    Move(move_room::MoveArguments),
     /// Learn from data.
     #[command(subcommand)]
     Train(train::Train),
@@ -173,6 +176,7 @@ pub fn run(command: Command) -> ExitCode {
     let result = match command {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
+        Command::Move(arguments) => move_room::run(&arguments),
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
         Command::Stage(arguments) => stage::run(&arguments),
