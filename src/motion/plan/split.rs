@@ -2,6 +2,7 @@
 
 use super::{PlanConfig, Way};
 use crate::motion::leg::{PathPoint, Walking};
+use crate::scene::direction_of;
 
 /// How fast people speed up and slow down, metres per second squared.
 const RAMP: f32 = 1.0;
@@ -62,8 +63,7 @@ pub(super) fn between(way: &Way, still: [bool; 2], config: &PlanConfig) -> Vec<O
         let (low, middle, high) = ((k as f32 - LEEWAY) * each, k as f32 * each, (k as f32 + LEEWAY) * each);
         let bend = |i: usize| {
             let (a, b) = (&points[i.saturating_sub(4)], &points[(i + 4).min(points.len() - 1)]);
-            let turn = (b.heading - a.heading + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU);
-            (turn - std::f32::consts::PI).abs()
+            direction_of(a.heading).angle_to(direction_of(b.heading)).abs()
         };
         // A degree of bend weighs as much as a hundredth of a second.
         let cost = |i: usize| bend(i).to_degrees() * 0.01 + (time[i] - middle).abs();
