@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::cli::report::RoomRow;
-use crate::evolve::journey::Journey;
+use crate::evolve::journey::{Journey, JourneySeconds};
 use crate::inspect::{Finding, MotionLimits, MotionMetrics};
 use crate::scene::{Leg, Room, SubGoal};
 
@@ -80,8 +80,8 @@ pub struct ClipRow {
     pub complaints: Vec<String>,
     /// Where somebody squeezes through: `[x, z, free radius]` in metres.
     pub squeezes: Vec<[f32; 3]>,
-    /// Time for bodies, planning and legs.
-    pub stage_seconds: [f64; 3],
+    /// Where this motion's time went.
+    pub stage_seconds: JourneySeconds,
 }
 
 /// A sub-goal in a report.

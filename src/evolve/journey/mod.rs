@@ -17,10 +17,10 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
-use self::legs::{Legs, assemble};
-use self::others::Timing;
+use self::legs::assemble;
+use self::others::{Planned, Timing};
 use self::resolve::{Resolved, Resolver};
-use self::states::{Node, nodes};
+use self::states::nodes;
 use crate::body::Body;
 use crate::inspect::{MotionReport, inspect_motion};
 use crate::job::{Cancelled, JobCtx, Stop, Ticker};
@@ -163,8 +163,23 @@ pub struct Journey {
     pub motion: MotionReport,
     /// Legs that were taken from the earlier clip.
     pub legs_kept: usize,
-    /// Where the time went, seconds: bodies, planning, legs.
-    pub seconds: [f64; 3],
+    /// Where the time went.
+    pub seconds: JourneySeconds,
+}
+
+/// Wall-clock seconds of the stages of a journey.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct JourneySeconds {
+    /// Until something played.
+    pub first_preview: f64,
+    /// Bodies at the sub-goals.
+    pub bodies: f64,
+    /// Routes and poses, with keeping clear of others.
+    pub poses: f64,
+    /// Fitting the legs to the room.
+    pub fit: f64,
+    /// Measuring every frame.
+    pub measure: f64,
 }
 
 impl Journey {
@@ -208,41 +223,61 @@ pub fn journey(
     cx: &JobCtx<JourneyPreview>,
 ) -> Result<Journey, Stop> {
     let cast = Cast { room, geometry, body, request };
-    let started = Instant::now();
+    let mut clock = Clock(Instant::now());
+    let mut seconds = JourneySeconds::default();
     cx.stage("looking for places", 0)?;
     let resolver = Resolver::new(&cast, cx.seed, cx.ticker())?;
-    let (quick, _) = resolver.all(true, cx.ticker())?;
-    let first = plan_route(&cast, &quick, &Timing::default(), cx.ticker())?;
-    let glide = states::glide(&cast, &nodes(&cast, &quick, &first, &Timing::default(), cx.seed));
-    cx.preview(JourneyPreview { clip: Arc::new(glide), stage: Stage::Route });
+    show_route(&cast, &resolver, cx)?;
+    seconds.first_preview = clock.lap();
     cx.stage("bodies at the sub-goals", request.goals.len())?;
     let (resolved, mut unreachable) = resolver.all(false, cx.ticker())?;
-    let bodies_s = started.elapsed().as_secs_f64();
     if resolved.is_empty() {
         return Err(Stop::Failed(nowhere(room, &unreachable)));
     }
-    let planning = Instant::now();
-    let planned = others::plan_in_time(&cast, &resolved, cx)?;
-    let plan_s = planning.elapsed().as_secs_f64();
-    let making = Instant::now();
-    let others::Planned { nodes, mut legs, route, meetings } = planned;
+    seconds.bodies = clock.lap();
+    let Planned { nodes, mut legs, route, meetings } = others::plan_in_time(&cast, &resolved, cx)?;
     let poses = assemble(&cast, &nodes, &legs, cx.seed);
     cx.preview(JourneyPreview { clip: Arc::new(poses), stage: Stage::Poses });
+    seconds.poses = clock.lap();
     legs.fit(&cast, &nodes, cx)?;
     let clip = assemble(&cast, &nodes, &legs, cx.seed);
-    let legs_s = making.elapsed().as_secs_f64();
+    seconds.fit = clock.lap();
     let motion = measure(&cast, &clip, cx)?;
+    seconds.measure = clock.lap();
     unreachable.extend(route.unreachable);
+    if clip.frames.is_empty() {
+        return Err(Stop::Failed(nowhere(room, &unreachable)));
+    }
     Ok(Journey {
         goals: reports(&resolved, &clip),
         clip,
         unreachable,
         squeezes: route.squeezes,
         meetings,
-        legs_kept: legs.kept(),
         motion,
-        seconds: [bodies_s, plan_s, legs_s],
+        legs_kept: legs.kept(),
+        seconds,
     })
+}
+
+/// Times one stage after the other.
+struct Clock(Instant);
+
+impl Clock {
+    /// Seconds since the last lap.
+    fn lap(&mut self) -> f64 {
+        std::mem::replace(&mut self.0, Instant::now()).elapsed().as_secs_f64()
+    }
+}
+
+/// Shows the route, gone by bodies that are settled but not fitted: the first thing to be seen.
+fn show_route(cast: &Cast<'_>, resolver: &Resolver<'_>, cx: &JobCtx<JourneyPreview>) -> Result<(), Stop> {
+    let (quick, _) = resolver.all(true, cx.ticker())?;
+    let timing = Timing::default();
+    let route = plan_route(cast, &quick, &timing, cx.ticker())?;
+    let clip = states::glide(cast, &nodes(cast, &quick, &route, &timing, cx.seed));
+    cx.preview(JourneyPreview { clip: Arc::new(clip), stage: Stage::Route });
+    Ok(())
 }
 
 fn measure(cast: &Cast<'_>, clip: &Clip, cx: &JobCtx<JourneyPreview>) -> Result<MotionReport, Cancelled> {
