@@ -1,4 +1,4 @@
-//! Keeps unsaved people in a file of the program's own, so that a crash or a power cut costs a minute at most.
+//! Keeps unsaved people and motions in a file of the program's own, so that a crash or a power cut costs a minute at most.
 //! The file goes when the project is saved or the window is closed on purpose.
 
 use std::path::PathBuf;
@@ -37,12 +37,11 @@ impl Autosave {
     /// Saves when it is time. Returns when to look again, if there is something to save.
     pub fn keep(&mut self, state: &mut EditorState) -> Option<Duration> {
         self.poll(state);
-        let document = &state.document;
-        let unsaved = document.is_dirty() && !document.scene().people.is_empty();
-        if !unsaved {
+        if !state.has_unsaved_work() {
             self.discard();
             return None;
         }
+        let document = &state.document;
         if self.holds == Some(document.revision()) || self.saving.is_some() || document.in_gesture() {
             return None;
         }

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use super::actions;
 use super::engine::{FitTask, Made, Opened, Photo, PopulateTask, SampleMethod, Source};
+use super::motion::{Making, Measuring as MeasuringClip};
 use super::rooms;
 use super::samples::{self, Origin};
 use super::selection::Item;
@@ -47,6 +48,12 @@ pub enum JobKind {
     See,
     /// Reads a photo.
     Photo,
+    /// Makes a motion.
+    Move,
+    /// Measures a motion.
+    MeasureMotion,
+    /// Writes motions.
+    ExportMotion,
 }
 
 /// A row of the job list.
@@ -98,6 +105,9 @@ pub struct Jobs {
     pub(super) making_room: Option<rooms::MakingRoom>,
     pub(super) seeing: Option<Job<SceneImage>>,
     pub(super) photo: Option<Job<Photo>>,
+    pub(super) making: Option<Making>,
+    pub(super) measuring_clip: Option<MeasuringClip>,
+    pub(super) exporting_motion: Option<(PathBuf, Job<usize>)>,
     wanted: Option<Wanted>,
     /// The room whose geometry failed; not tried again until the room changes.
     hopeless: Option<RoomVersion>,
@@ -129,6 +139,11 @@ impl Jobs {
     /// Whether a room is being made to look at.
     pub fn making_room(&self) -> bool {
         self.making_room.is_some()
+    }
+
+    /// Whether a motion is being made.
+    pub fn moving(&self) -> bool {
+        self.making.is_some()
     }
 
     /// Whether people wait for geometry.
@@ -172,6 +187,15 @@ impl Jobs {
         if let Some(job) = &self.photo {
             rows.push(row(JobKind::Photo, job));
         }
+        if let Some(making) = &self.making {
+            rows.push(row(JobKind::Move, &making.job));
+        }
+        if let Some(measuring) = &self.measuring_clip {
+            rows.push(row(JobKind::MeasureMotion, &measuring.job));
+        }
+        if let Some((_, job)) = &self.exporting_motion {
+            rows.push(row(JobKind::ExportMotion, job));
+        }
         rows
     }
 }
@@ -189,7 +213,7 @@ impl EditorState {
     /// Starts to read a room or project. Asks first when that would lose unsaved work.
     pub fn open(&mut self, source: Source) {
         let is_project = matches!(&source, Source::File(path, _) if is_project_file(path));
-        if is_project && self.document.is_dirty() && !self.document.scene().people.is_empty() {
+        if is_project && self.has_unsaved_work() {
             self.overlay = Overlay::Unsaved(Leaving::Open(source));
         } else {
             self.open_now(source);
@@ -417,6 +441,12 @@ impl EditorState {
             JobKind::MakeRoom => self.jobs.making_room = None,
             JobKind::See => self.jobs.seeing = None,
             JobKind::Photo => self.jobs.photo = None,
+            JobKind::Move => return self.stop_making(),
+            JobKind::MeasureMotion => {
+                self.jobs.measuring_clip = None;
+                self.motion.unmeasurable = Some(self.document.revision());
+            }
+            JobKind::ExportMotion => self.jobs.exporting_motion = None,
         }
         self.notices.info("Cancelled. Nothing was changed.");
     }
@@ -454,9 +484,18 @@ impl EditorState {
         self.poll_made_room();
         self.poll_seeing();
         self.poll_photo();
+        self.poll_making();
+        self.poll_clip_measure();
+        self.poll_motion_export();
+        self.poll_study();
+        if self.study.is_some() {
+            // Nothing is measured while somebody rates: the processor belongs to what is shown.
+            return;
+        }
         self.keep_geometry_fresh();
         self.start_wanted();
         self.keep_measured_fresh();
+        self.keep_clips_measured();
     }
 
     fn poll_open(&mut self) {
@@ -496,6 +535,10 @@ impl EditorState {
         self.jobs.wanted = None;
         self.ghosts.clear();
         self.clear_sheet();
+        self.jobs.making = None;
+        self.jobs.measuring_clip = None;
+        self.motion.forget();
+        self.prune_motion();
         self.look = None;
         self.selection.clear();
         self.view.isolated = None;
@@ -516,7 +559,7 @@ impl EditorState {
     }
 
     /// Another document altogether: nothing that was computed for the old one may be taken for it.
-    fn exchange_document(&mut self, document: Document) {
+    pub(super) fn exchange_document(&mut self, document: Document) {
         self.document = document;
         self.project = None;
         self.measured.clear();

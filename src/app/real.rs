@@ -7,10 +7,12 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::engine::{
-    Energies, Engine, FitTask, ImportChoice, ImportSummary, Made, NetworkCard, Opened, OpenedProject, Photo,
-    PhotoTask, PopulateTask, RoomRequest, SampleMethod, SampleTask, SampleView, Sampled, Source,
+    Energies, Engine, FitTask, ImportChoice, ImportSummary, Made, MotionExport, MotionMethod, MovePreview,
+    MoveTask, Moved, NetworkCard, Opened, OpenedProject, Photo, PhotoTask, PopulateTask, RoomRequest,
+    SampleMethod, SampleTask, SampleView, Sampled, Source,
 };
 use super::jobs::is_project_file;
+use super::moving;
 use super::networks;
 use super::photos;
 use super::sampling;
@@ -34,6 +36,7 @@ use crate::fit::TERMS;
 use crate::generate::sensor::SceneImage;
 use crate::generate::sensor::Sensor;
 use crate::inspect::BodyReport;
+use crate::inspect::MotionReport;
 use crate::inspect::inspect_body;
 use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::render::Backend;
@@ -45,13 +48,18 @@ use crate::render::Shown;
 use crate::render::person_glb;
 use crate::render::picture;
 use crate::render::room_views;
+use crate::scene::BETAS;
 use crate::scene::BodyParams;
+use crate::scene::Clip;
+use crate::scene::Frame;
 use crate::scene::GeometryConfig;
 use crate::scene::ImportOptions;
 use crate::scene::Person;
 use crate::scene::Room;
 use crate::scene::RoomGeometry;
 use crate::scene::Scene;
+use crate::scene::SubGoal;
+use crate::scene::SubGoalId;
 use crate::scene::layout::RoomType;
 use crate::scene::layout::new_room;
 use crate::scene::model_from_room;
@@ -223,6 +231,45 @@ impl Engine for RealEngine {
         Body::bundled().pose(body).vertices.into()
     }
 
+    fn pose_frame(&self, betas: &[f32; BETAS], frame: &Frame) -> Arc<[Vec3]> {
+        Body::bundled().pose_frame(betas, frame).vertices.into()
+    }
+
+    fn missing_motion_methods(&self) -> Vec<(MotionMethod, String)> {
+        moving::missing_methods()
+    }
+
+    fn synthesise(&self, task: &MoveTask, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop> {
+        moving::synthesise(task, cx)
+    }
+
+    fn measure_clip(
+        &self,
+        geometry: &RoomGeometry,
+        clip: &Clip,
+        ticker: &Ticker,
+    ) -> Result<MotionReport, Stop> {
+        moving::measure(geometry, clip, ticker)
+    }
+
+    fn reach(
+        &self,
+        room: &Room,
+        geometry: &RoomGeometry,
+        clip: &Clip,
+        goal: SubGoalId,
+    ) -> Result<(), String> {
+        moving::reach(room, geometry, clip, goal)
+    }
+
+    fn stand_in(&self, goal: &SubGoal, betas: &[f32; BETAS]) -> Frame {
+        moving::stand_in(goal, betas)
+    }
+
+    fn export_motion(&self, path: &Path, export: &MotionExport, ticker: &Ticker) -> Result<usize, Stop> {
+        moving::export(path, export, &self.surface(), ticker)
+    }
+
     fn faces(&self) -> Arc<[[u32; 3]]> {
         Body::bundled().model.faces.as_slice().into()
     }
@@ -233,7 +280,7 @@ impl Engine for RealEngine {
 }
 
 /// The step of a library function that asks `ticker` whether to go on.
-fn asks(ticker: &Ticker) -> impl Fn(usize, usize) -> ControlFlow<()> + Sync {
+pub(super) fn asks(ticker: &Ticker) -> impl Fn(usize, usize) -> ControlFlow<()> + Sync {
     |done, total| match ticker.step(done, total) {
         Ok(()) => ControlFlow::Continue(()),
         Err(_) => ControlFlow::Break(()),

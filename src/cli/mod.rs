@@ -8,6 +8,7 @@ mod convert;
 mod corpus;
 mod estimate;
 mod evaluate;
+mod evolve;
 mod figures;
 mod generate;
 mod import;
@@ -112,6 +113,8 @@ pub enum Command {
     Generate(generate::GenerateArguments),
     /// Let somebody walk, sit down, lie and get up in a room, and write the motion.
     Move(move_room::MoveArguments),
+    /// Let actions happen in a room: people come, things are brought, moved and left about.
+    Evolve(evolve::EvolveArguments),
     /// Learn from data.
     #[command(subcommand)]
     Train(train::Train),
@@ -177,6 +180,7 @@ pub fn run(command: Command) -> ExitCode {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Move(arguments) => move_room::run(&arguments),
+        Command::Evolve(arguments) => evolve::run(&arguments),
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
         Command::Stage(arguments) => stage::run(&arguments),

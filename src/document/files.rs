@@ -147,6 +147,14 @@ pub enum ProjectError {
         /// What is wrong.
         problem: String,
     },
+    /// A study without anything to be rated.
+    #[error(
+        "{folder} has nothing to be rated. Make a folder for each method in it, and in these put projects or rooms, by the same names for the same tasks."
+    )]
+    NothingToRate {
+        /// The folder.
+        folder: String,
+    },
     /// A person can't be.
     #[error("{file}: the person \"{person}\" {problem}. Remove or mend that entry.")]
     Person {
