@@ -18,10 +18,13 @@ use super::{Common, Ended, use_threads};
 use crate::assets;
 use crate::body::{self, Body};
 use crate::document::{Project, save_project};
-use crate::evolve::journey::{Journey, JourneyRequest, MotionMethod, journey, tour};
+use crate::evolve::journey::{Journey, JourneyPreview, JourneyRequest, MotionMethod, journey, tour};
 use crate::job::{JobCtx, Seed, Stop};
 use crate::render::{BodySurface, clips_glb};
-use crate::scene::{Clip, ClipId, Room, RoomGeometry, Scene, SubGoal};
+use crate::scene::{Clip, ClipId, GoalPose, Room, RoomGeometry, Scene, SubGoal};
+
+/// Who sits or lies down stays so long at least, seconds.
+const LEAST_STAY_S: f32 = 1.0;
 
 /// Arguments of `move`.
 #[derive(Args, Debug)]
@@ -36,7 +39,7 @@ pub struct MoveArguments {
     /// Without goals: from the door to a desk chair, a sofa, a window, the bed and back, in about so many seconds.
     #[arg(long, value_name = "SECONDS", conflicts_with = "goals")]
     pub tour: Option<f32>,
-    /// Stay at the last sub-goal until the motion has lasted so long.
+    /// Lengthen or cut the stays on seats and beds, else the last one, until the motion lasts so long.
     #[arg(long, value_name = "S")]
     pub seconds: Option<f32>,
     /// Who makes the motion.
@@ -130,7 +133,7 @@ fn compute(
     asked: Vec<Vec<SubGoal>>,
 ) -> anyhow::Result<Option<Computed>> {
     let room = loaded.room.clone();
-    let (tour_s, least_s) = (arguments.tour, arguments.seconds);
+    let (tour_s, wanted_s) = (arguments.tour, arguments.seconds.or(arguments.tour));
     let before = loaded.clips.clone();
     let first_id = before.iter().map(|c| c.id.0 + 1).max().unwrap_or(0);
     let request = JourneyRequest {
@@ -160,7 +163,7 @@ fn compute(
                 ..request.clone()
             };
             let seed = cx.seed.child("person", number as u64);
-            journeys.push(lasting(&room, &geometry, request, least_s, &child(cx, seed))?);
+            journeys.push(lasting(&room, &geometry, request, wanted_s, &child(cx, seed))?);
         }
         let move_seconds = moving.elapsed().as_secs_f64();
         Ok(Computed { geometry, journeys, field_seconds, move_seconds })
@@ -173,22 +176,37 @@ fn child<P: 'static>(cx: &JobCtx, seed: Seed) -> JobCtx<P> {
     JobCtx::watched(seed, cx.ticker().clone())
 }
 
-/// The journey, its last stay long enough for the motion to last `least_s`.
+/// The journey; where it should last a given time, its stays are lengthened or cut to that.
 fn lasting(
     room: &Room,
     geometry: &RoomGeometry,
     mut request: JourneyRequest,
-    least_s: Option<f32>,
-    cx: &JobCtx<crate::evolve::journey::JourneyPreview>,
+    wanted_s: Option<f32>,
+    cx: &JobCtx<JourneyPreview>,
 ) -> Result<Journey, Stop> {
     let body = Body::bundled();
-    let made = journey(room, geometry, body, &request, cx)?;
-    let missing = least_s.map_or(0.0, |s| s - made.clip.seconds());
-    let last = made.goals.last().map(|g| g.goal);
-    let (true, Some(last)) = (missing > 0.0, last) else { return Ok(made) };
-    request.goals.iter_mut().filter(|g| g.id == last).for_each(|g| g.stay_s += missing);
-    request.kept = Some(Arc::new(made.clip));
+    if let Some(wanted_s) = wanted_s {
+        let rough = JourneyRequest { optimise: false, ..request.clone() };
+        let rough = journey(room, geometry, body, &rough, cx)?.clip;
+        spend(&mut request.goals, &rough, wanted_s - rough.seconds());
+    }
     journey(room, geometry, body, &request, cx)
+}
+
+/// Spreads the time that is missing, or too much, over the stays on seats and beds, else over the last stay; bodies
+/// that are known need not be made again.
+fn spend(goals: &mut [SubGoal], made: &Clip, missing_s: f32) {
+    for goal in goals.iter_mut() {
+        goal.body = made.goal(goal.id).and_then(|g| g.body.clone());
+    }
+    let rests = |g: &SubGoal| g.stay_s > 0.0 && matches!(g.pose, GoalPose::Sit | GoalPose::Lie);
+    let count = goals.iter().filter(|g| rests(g)).count();
+    if count == 0 {
+        goals.iter_mut().next_back().into_iter().for_each(|g| g.stay_s = (g.stay_s + missing_s).max(0.0));
+    }
+    for goal in goals.iter_mut().filter(|g| rests(g)) {
+        goal.stay_s = (goal.stay_s + missing_s / count as f32).max(LEAST_STAY_S);
+    }
 }
 
 /// Writes the project with its room, and every motion for other programs.

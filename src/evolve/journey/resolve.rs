@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::{Cast, GoalReport};
 use crate::body::joints as j;
 use crate::body::{Body, FrameJoints};
-use crate::fit::{FitConfig, Fitter, Surroundings};
+use crate::fit::{FitConfig, Fitter, Objective, Surroundings};
 use crate::generate::{Place, all_places, seat_family, settle_person};
 use crate::inspect::{Finding, Limits, Site, inspect_body};
 use crate::job::{Cancelled, Seed, Ticker};
@@ -30,6 +30,8 @@ const TURNED: f32 = 1.2;
 const HALF_TURN_M: f32 = 0.8;
 /// Places of one seat that are tried, and ways to hold oneself at each.
 const TRIES: (usize, u64) = (3, 2);
+/// Weight of the place in a fit, per squared metre: two centimetres off weigh as much as a gap of a centimetre.
+const PLACE: f32 = 40.0;
 /// Points no higher than this above the floor are on the floor, metres.
 const ON_FLOOR_M: f32 = 0.2;
 /// A miss of this many centimetres, or degrees, is as bad as a finding that misses its limit by its own size.
@@ -397,7 +399,7 @@ impl<'a> Resolver<'a> {
             return Ok(Candidate { params: proposal.params, on, badness: 0.0, clean: true });
         }
         let around = Surroundings::new(geometry, Aabb::of(body.pose(&proposal.params).vertices));
-        let config = FitConfig::default();
+        let config = held_config();
         let quiet = ticker.without_progress();
         let fitted =
             self.fitter.fit(&around, &proposal.params, proposal.family, &config, &quiet, &mut |_| ())?;
@@ -447,6 +449,15 @@ impl<'a> Resolver<'a> {
         let facing = place_of(&joints, &frame, GoalPose::Sit).1;
         Ok(Some((frame, seated(&planner, &joints, facing))))
     }
+}
+
+/// Our fit, held to where the body was asked to be.
+fn held_config() -> FitConfig {
+    let mut config = FitConfig::default();
+    if let Objective::Rescue(weights) = &mut config.objective {
+        weights.place = PLACE;
+    }
+    config
 }
 
 /// On which side somebody lies: on the back when the front is up.

@@ -17,15 +17,17 @@ const ROOM_M: f32 = 0.32;
 /// A thing is looked at from at most this far, metres.
 const LOOK_M: f32 = 1.6;
 /// Sitting down and getting up, and lying down besides, take about so long, seconds.
-const SIT_S: f32 = 5.0;
-const LIE_S: f32 = 7.0;
+const SIT_S: f32 = 5.5;
+const LIE_S: f32 = 9.0;
 /// Walking speed with starts, turns and stops, metres per second.
-const SPEED_M_PER_S: f32 = 0.85;
+const SPEED_M_PER_S: f32 = 0.6;
 /// Nobody stays shorter than this on a seat, seconds, nor stands longer than that.
 const LEAST_STAY_S: f32 = 2.0;
 const STANDING_S: f32 = 2.5;
 /// Places of a kind that are tried before the tour goes on without.
 const TRIES: usize = 24;
+/// Farther than this from a border nobody cares how far, metres.
+const INSIDE_M: f32 = 0.4;
 /// From below the pelvis of a seated person to between the feet, metres, and the pelvis over the seat.
 const SHINS_M: (f32, f32) = (0.42, 0.09);
 
@@ -106,12 +108,34 @@ impl Guide<'_> {
             p.family.group() == "sit" && (except.is_none() || object(p.support) != object(except))
         };
         let mut found: Vec<&Place> = self.places.iter().filter(other).filter(|p| kind(p)).collect();
-        found.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        let rank = |p: &Place| p.weight + self.between_m(p);
+        found.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
         spread(&mut found);
         found.into_iter().take(TRIES).find_map(|place| {
             let stance = self.stance(place, from)?;
             Some(self.visit(place, GoalPose::Sit, facing_of(place.facing), stance.spot()))
         })
+    }
+
+    /// How far a place is from the border of what it is on, at most [`INSIDE_M`], metres.
+    fn inside_m(&self, place: &Place) -> f32 {
+        let surface = place.support.and_then(|index| self.geometry.supports.get(index));
+        let edges = surface.into_iter().flat_map(|s| &s.edges);
+        edges.map(|e| flat(e.position - place.under_pelvis).length()).fold(INSIDE_M, f32::min)
+    }
+
+    /// How much seat there is at both sides of a place, at most [`INSIDE_M`], metres.
+    fn between_m(&self, place: &Place) -> f32 {
+        let Some(surface) = place.support.and_then(|index| self.geometry.supports.get(index)) else {
+            return 0.0;
+        };
+        let aside = place.facing.perp();
+        let reach = |sign: f32| {
+            let along = surface.cells.iter().map(|c| flat(c.position - place.under_pelvis));
+            let row = along.filter(|d| d.dot(place.facing).abs() < surface.cell_m);
+            row.map(|d| sign * d.dot(aside)).fold(0.0, f32::max)
+        };
+        reach(1.0).min(reach(-1.0)).min(INSIDE_M)
     }
 
     fn visit(&self, place: &Place, pose: GoalPose, facing: f32, spot: Spot) -> Visit {
@@ -138,7 +162,10 @@ impl Guide<'_> {
             object.and_then(|id| self.room.object(id)).map(|o| o.category)
         };
         let mut found: Vec<&Place> = self.places.iter().filter(|p| p.family == PoseFamily::LieUp).collect();
-        let rank = |p: &Place| p.weight + if category(p) == Some(Category::Bed) { 2.0 } else { 0.0 };
+        let rank = |p: &Place| {
+            let bed = category(p) == Some(Category::Bed);
+            p.weight + self.inside_m(p) + if bed { 2.0 } else { 0.0 }
+        };
         found.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
         spread(&mut found);
         found.into_iter().take(TRIES).find_map(|lie| {
@@ -182,6 +209,7 @@ impl Guide<'_> {
             GoalPose::Lie => SIT_S + LIE_S,
             _ => 1.0,
         };
+        // What is left of the time is spent on seats and beds.
         let rests = visits.iter().filter(|v| v.pose != GoalPose::Stand).count();
         let stands = (visits.len() - rests) as f32 * STANDING_S;
         let moving: f32 = visits.windows(2).map(way).sum::<f32>() + visits.iter().map(doing).sum::<f32>();
