@@ -16,6 +16,7 @@ mod rig_motion;
 mod weights;
 
 mod budget;
+mod bundle;
 mod encode;
 mod error;
 mod furniture;
@@ -27,6 +28,7 @@ mod mend;
 mod model;
 mod npz_write;
 mod obj;
+mod objects;
 mod picture;
 mod ply;
 mod read;
@@ -50,6 +52,7 @@ pub use keypoints::{
     Keypoint, KeypointSet, PersonKeypoints, PictureKeypoints, read_keypoints, read_keypoints_bytes,
 };
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
+pub use objects::{library_text, object_model, object_names};
 pub use picture::read_photo;
 pub use read::{read_model, read_model_bytes};
 pub use rig_motion::{RigJoint, RigMotion};

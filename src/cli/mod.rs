@@ -8,6 +8,7 @@ mod convert;
 mod corpus;
 mod estimate;
 mod evaluate;
+mod evolve;
 mod figures;
 mod generate;
 mod import;
@@ -109,6 +110,8 @@ pub enum Command {
     Inspect(inspect::InspectArguments),
     /// Put people into a room and write them, a report and pictures.
     Generate(generate::GenerateArguments),
+    /// Let actions happen in a room: people come, things are brought, moved and left about.
+    Evolve(evolve::EvolveArguments),
     /// Learn from data.
     #[command(subcommand)]
     Train(train::Train),
@@ -173,6 +176,7 @@ pub fn run(command: Command) -> ExitCode {
     let result = match command {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
+        Command::Evolve(arguments) => evolve::run(&arguments),
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
         Command::Stage(arguments) => stage::run(&arguments),

@@ -17,6 +17,7 @@ pub use alignment::{EstimateErrors, Similarity, mean_distance_mm};
 pub use body::{BodyMetrics, BodyReport, CONTACT_M, inspect_body};
 pub use diversity::{Diversity, FEATURES, diversity, entropy_nats};
 pub use finding::{Finding, Limits, Metric, Site};
+pub use hull::{convex_hull, distance_to_hull};
 pub use motion::{
     DEEP_MM, FrameRecord, GoalError, MotionErrors, MotionLimits, MotionMetrics, MotionReport,
     SKATES_CM_PER_S, inspect_motion, jitter_m_per_s3, pop_ratio, stance_drift_m, tread_speed_m_per_s,
