@@ -196,7 +196,7 @@ impl Engine for RealEngine {
     fn overview(&self, room: &Arc<Room>, ticker: &Ticker) -> Result<Picture, Stop> {
         ticker.stage("drawing", 0)?;
         let [width, height] = OVERVIEW;
-        let scene = Scene { room: room.clone(), people: Vec::new() };
+        let scene = Scene { room: room.clone(), ..Scene::default() };
         let mut draw = SceneDraw::of_room(&scene);
         draw.look.cutaway = Cutaway::Outside;
         draw.look.grid = Shown::No;
@@ -287,7 +287,7 @@ fn understood(model: &Model, source: &Source, choice: ImportChoice, ticker: &Tic
         evidence: report.evidence,
         notes: report.notes,
     };
-    let scene = Scene { room: Arc::new(imported.room), people: Vec::new() };
+    let scene = Scene { room: Arc::new(imported.room), ..Scene::default() };
     Ok(Opened { scene, summary, project: None })
 }
 

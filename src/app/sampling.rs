@@ -335,7 +335,7 @@ pub fn portrait(
     let near = Room { objects, ..room.clone() };
     let camera = person_views(&vertices, &geometry.bvh, 1, 1.0).into_iter().next().unwrap_or_default();
     let camera = Camera { fov_y: camera.fov_y * CLOSER, ..camera };
-    let mut draw = SceneDraw::of_room(&Scene { room: Arc::new(near), people: Vec::new() });
+    let mut draw = SceneDraw::of_room(&Scene { room: Arc::new(near), ..Scene::default() });
     draw.body = Some(surface.clone());
     draw.people = vec![PersonDraw::new(person.id, vertices.into(), person.palette)];
     ticker.check()?;

@@ -137,7 +137,7 @@ impl Engine for FakeEngine {
             evidence: vec!["The unit is the metre.".to_owned()],
             notes: vec!["One empty mesh was left out.".to_owned()],
         };
-        Ok(Opened { scene: Scene { room: Arc::new(room), people: Vec::new() }, summary, project: None })
+        Ok(Opened { scene: Scene { room: Arc::new(room), ..Scene::default() }, summary, project: None })
     }
 
     fn save(&self, path: &Path, project: &Project, _: &Ticker) -> Result<(), Stop> {

@@ -46,7 +46,7 @@ pub fn run(arguments: &ConvertArguments) -> anyhow::Result<Ended> {
         write(output, &glb)?;
     } else {
         let loaded = load::load(Some(input), &arguments.import.options()?)?;
-        let scene = Scene { room: loaded.room, people: loaded.people };
+        let scene = Scene { room: loaded.room, people: loaded.people, clips: Vec::new() };
         match ending(output).as_str() {
             "glb" => write(output, &assets::glb_from_model(&model_from_room(&scene.room))?)?,
             "ron" | "inhabit" => save_project(output, &Project::of_scene(scene))?,

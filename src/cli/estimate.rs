@@ -142,7 +142,7 @@ pub fn run(arguments: &EstimateArguments) -> anyhow::Result<Ended> {
     let mut people = loaded.people.clone();
     let person = person(&found, people.iter().map(|p| p.id.0 + 1).max().unwrap_or(0), arguments);
     people.push(person.clone());
-    let scene = Scene { room: loaded.room.clone(), people };
+    let scene = Scene { room: loaded.room.clone(), people, clips: Vec::new() };
     save_project(&folder.root().join("project.ron"), &Project::of_scene(scene.clone()))?;
     let file = format!("people/{:03}.glb", person.id.0);
     folder.write(&file, &person_glb(&person, &BodySurface::of(Body::bundled()))?)?;

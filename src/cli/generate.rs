@@ -148,7 +148,7 @@ pub fn run(arguments: &GenerateArguments) -> anyhow::Result<Ended> {
     seconds.fit = computed.populated.fit_seconds;
     let writing = Instant::now();
     loaded.people.extend(computed.populated.people.iter().map(|p| p.person.clone()));
-    let scene = Scene { room: loaded.room.clone(), people: loaded.people.clone() };
+    let scene = Scene { room: loaded.room.clone(), people: loaded.people.clone(), clips: Vec::new() };
     write_scene(&folder, &scene)?;
     let pictures_by = if arguments.no_pictures {
         "nobody: --no-pictures".to_owned()

@@ -64,7 +64,7 @@ fn portrait(
     surface: &Arc<BodySurface>,
 ) -> anyhow::Result<Picture> {
     let body = Body::bundled();
-    let mut draw = SceneDraw::of_room(&Scene { room: room.clone(), people: Vec::new() });
+    let mut draw = SceneDraw::of_room(&Scene { room: room.clone(), ..Scene::default() });
     draw.body = Some(surface.clone());
     let vertices = body.pose(&person.params(body)).vertices;
     draw.people = vec![PersonDraw::new(PersonId(0), vertices.into(), view.body as u32)];

@@ -78,7 +78,7 @@ impl Document {
 
     /// A document over `room` without people.
     pub fn of_room(room: Arc<Room>) -> Self {
-        Self::new(Scene { room, people: Vec::new() })
+        Self::new(Scene { room, ..Scene::default() })
     }
 
     /// The same with another bound on what the history keeps alive.

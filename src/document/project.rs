@@ -170,7 +170,7 @@ pub(super) fn assemble(text: ProjectText, model: Model, file: &str) -> Result<Pr
     let people = text.people;
     check_people(&people, file)?;
     Ok(Project {
-        scene: Scene { room: Arc::new(room), people },
+        scene: Scene { room: Arc::new(room), people, clips: Vec::new() },
         next_person: text.next_person,
         next_object: text.next_object,
     })

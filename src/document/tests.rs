@@ -396,7 +396,7 @@ fn project() -> Project {
     room.objects[1].parts.push(ObjectPart { object_from_mesh: elsewhere, ..first.clone() });
     room.objects[1].parts.push(first);
     Project {
-        scene: Scene { room: Arc::new(room), people: vec![awkward(3), awkward(8)] },
+        scene: Scene { room: Arc::new(room), people: vec![awkward(3), awkward(8)], clips: Vec::new() },
         next_person: 12,
         next_object: 40,
     }

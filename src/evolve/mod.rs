@@ -2,6 +2,8 @@
 //!
 //! Works on snapshots; may not name the document, the renderer or a front end.
 
+pub mod action;
+
 mod choose;
 mod estimate;
 mod populate;

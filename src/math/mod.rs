@@ -1,16 +1,21 @@
-//! Rotations (6-D, axis-angle), Adam, L-BFGS, boxes, clusters and small statistics. Knows nothing else of the crate.
+//! Rotations (6-D, axis-angle), Adam, L-BFGS, boxes, clusters, statistics of directions and lengths. Knows nothing else of the crate.
 //!
 //! May not name any other module, read files or hold domain types. Names carry frame and unit.
 
 mod aabb;
 mod adam;
+mod bessel;
+pub mod directions;
 mod eigen;
 mod kmeans;
 mod lbfgs;
+mod lognormal;
 pub mod rotation;
 
 pub use aabb::Aabb;
 pub use adam::{Adam, AdamConfig, AdamStep};
+pub use bessel::{bessel_ratio, ln_bessel_i0_scaled};
 pub use eigen::symmetric_eigen;
 pub use kmeans::{KMeans, KMeansConfig, kmeans};
 pub use lbfgs::{LbfgsConfig, minimise};
+pub use lognormal::LogNormal;

@@ -137,8 +137,9 @@ pub struct Leg {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct ClipId(pub u32);
 
-/// One person's motion in the room.
+/// One person's motion in the room. Without frames it is a plan: sub-goals that nobody has walked yet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Clip {
     /// Stable name.
     pub id: ClipId,
@@ -162,6 +163,30 @@ pub struct Clip {
     pub legs: Vec<Leg>,
     /// Seed of the whole clip.
     pub seed: u64,
+    /// Shown.
+    pub visible: bool,
+    /// Protected from being made again, changed and removed.
+    pub locked: bool,
+}
+
+impl Default for Clip {
+    fn default() -> Self {
+        Self {
+            id: ClipId(0),
+            name: String::new(),
+            person: None,
+            betas: [0.0; BETAS],
+            palette: 0,
+            fps: CLIP_FPS,
+            frames: Vec::new(),
+            planted: Vec::new(),
+            goals: Vec::new(),
+            legs: Vec::new(),
+            seed: 0,
+            visible: true,
+            locked: false,
+        }
+    }
 }
 
 impl Clip {
@@ -173,6 +198,13 @@ impl Clip {
     /// The frame that is shown at a time, counted from the clip's start.
     pub fn frame_at(&self, seconds: f32) -> usize {
         ((seconds * self.fps).round().max(0.0) as usize).min(self.frames.len().saturating_sub(1))
+    }
+
+    /// Whether every number of every frame is finite.
+    pub fn is_finite(&self) -> bool {
+        self.fps.is_finite()
+            && self.betas.iter().all(|b| b.is_finite())
+            && self.frames.iter().all(Frame::is_finite)
     }
 
     /// The sub-goal named `id`.

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::{Category, Person, PersonId};
+use super::{Category, Clip, ClipId, Person, PersonId};
 use crate::assets::{Material, Mesh, Texture};
 use crate::math::Aabb;
 
@@ -100,18 +100,25 @@ impl Room {
     }
 }
 
-/// A room and the people in it: what the document holds and the renderer draws.
+/// A room, the people in it and their motions: what the document holds and the renderer draws.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// The room.
     pub room: Arc<Room>,
     /// The people, in the order they came.
     pub people: Vec<Person>,
+    /// The motions, in the order they came; shared, because frames are many.
+    pub clips: Vec<Arc<Clip>>,
 }
 
 impl Scene {
     /// The person named `id`.
     pub fn person(&self, id: PersonId) -> Option<&Person> {
         self.people.iter().find(|p| p.id == id)
+    }
+
+    /// The motion named `id`.
+    pub fn clip(&self, id: ClipId) -> Option<&Arc<Clip>> {
+        self.clips.iter().find(|c| c.id == id)
     }
 }

@@ -181,7 +181,7 @@ fn draw(
         visible: true,
         locked: false,
     };
-    let scene = Scene { room: room.clone(), people: vec![person.clone()] };
+    let scene = Scene { room: room.clone(), people: vec![person.clone()], clips: Vec::new() };
     let shown = PopulatedPerson {
         person,
         proposed: refined.before.clone(),
