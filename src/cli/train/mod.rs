@@ -1,6 +1,7 @@
 //! `inhabit train`: statistics and networks learned from data, one file a subject.
 
 pub mod curve;
+mod gait;
 mod hand_space;
 mod pose_prior;
 mod psi;
@@ -21,6 +22,8 @@ pub enum Train {
     PosePrior(pose_prior::Arguments),
     /// The Gaussian over hand poses, from motion clips and the program's own hands.
     HandSpace(hand_space::Arguments),
+    /// How people walk, from captured walks.
+    Gait(gait::Arguments),
     /// The networks that put people into what a camera sees: S1, S2 and the baseline.
     Psi(psi::Arguments),
 }
@@ -33,6 +36,7 @@ pub fn run(subject: &Train) -> anyhow::Result<Ended> {
     match subject {
         Train::PosePrior(arguments) => pose_prior::run(arguments),
         Train::HandSpace(arguments) => hand_space::run(arguments),
+        Train::Gait(arguments) => gait::run(arguments),
         Train::Psi(arguments) => psi::run(arguments),
     }
 }
