@@ -3,5 +3,6 @@
 
 pub mod gait;
 pub mod leg;
+pub mod plan;
 
 pub use leg::{EndState, FootPlace, LegInput, LegMotion, PathPoint, Still, Walking};
