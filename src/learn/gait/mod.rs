@@ -64,14 +64,13 @@ const LEAST_STRIDES: usize = 40;
 ///
 /// # Errors
 /// [`TooFewStrides`] as [`Stop::Failed`]; [`Stop::Cancelled`] once the user cancelled.
-pub fn measure_gait(
-    clips: &[PoseClip],
-    rest: &[Vec3; JOINTS],
-    ticker: &Ticker,
-) -> Result<GaitModel, Stop> {
+pub fn measure_gait(clips: &[PoseClip], rest: &[Vec3; JOINTS], ticker: &Ticker) -> Result<GaitModel, Stop> {
     ticker.stage("looking for strides", clips.len())?;
     let mut found = Vec::new();
     for clip in clips {
+        if std::env::var("GAITDBG").is_ok() {
+            eprintln!("{} {} frames {}", clip.name, clip.frames.len(), clip.frame_seconds);
+        }
         let track = Track::of(clip, rest);
         found.extend(strides(&track));
         found.extend(strides(&track.mirrored()));
@@ -97,7 +96,6 @@ pub fn measure_gait(
         step_width: scalar(&|s| s.step_width),
         lead: scalar(&|s| s.lead),
         duty: scalar(&|s| s.duty),
-        toe_out: scalar(&|s| s.toe_out),
         stance_pitch: curve(&|s| s.stance_pitch),
         swing_pitch: curve(&|s| s.swing_pitch),
         swing_way: curve(&|s| s.swing_way),
@@ -125,8 +123,9 @@ fn periodic(strides: &[Stride], rests: &[Quat]) -> (Vec<JointSeries>, Series, Se
         for instant in 0..INSTANTS {
             let phase = 2.0 * PI * instant as f32 / INSTANTS as f32;
             let turns = stride.turns[instant].iter().zip(rests);
-            let mut y: Vec<f64> =
-                turns.flat_map(|(q, rest)| logarithm(rest.inverse() * *q).to_array().map(f64::from)).collect();
+            let mut y: Vec<f64> = turns
+                .flat_map(|(q, rest)| logarithm(rest.inverse() * *q).to_array().map(f64::from))
+                .collect();
             y.push(f64::from(stride.height[instant]));
             y.push(f64::from(stride.sway[instant]));
             fit.add(1.0 / INSTANTS as f64, &regressors(phase, stride.pace), &y);
@@ -231,14 +230,14 @@ mod tests {
 
     #[test]
     fn a_pendulums_stride_is_measured_as_it_was_made() {
-        let clips: Vec<PoseClip> =
-            (0..8).map(|i| pendulum("p", 0.9 + 0.1 * i as f32)).collect();
+        let clips: Vec<PoseClip> = (0..8).map(|i| pendulum("p", 0.9 + 0.1 * i as f32)).collect();
         let rest = &Body::bundled().model.joint_template;
         let model = measure_gait(&clips, rest, &Ticker::silent()).expect("strides");
         let pace = Pace::new(1.2, 0.816, 0.0);
         let shoulder = model.joint(j::RIGHT_SHOULDER).expect("a shoulder");
         // The right foot lands at phase 0, when its leg is ahead and the right arm (+x is back) behind.
-        let swing = |phase: f32| (Quat::from_rotation_z(1.3).inverse() * shoulder.at(phase, pace, 1.0)).x * 2.0;
+        let swing =
+            |phase: f32| (Quat::from_rotation_z(1.3).inverse() * shoulder.at(phase, pace, 1.0)).x * 2.0;
         assert!(swing(0.0).abs() > 0.2 && swing(0.0) * swing(PI) < 0.0, "{} {}", swing(0.0), swing(PI));
         let seconds = model.step_length_share(pace) * 0.816 / 1.2;
         assert!((seconds - 0.6).abs() < 0.03, "a step of {seconds} s, 0.6 s were made");

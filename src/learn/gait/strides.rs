@@ -1,7 +1,7 @@
 //! Finds strides of walking in a clip and measures each.
 //!
-//! A foot lands where it is farthest ahead of the pelvis along the way and takes off where its ball is farthest behind
-//! (Zeni, Richards and Higginson 2008: kinematic events without force plates), which needs no guess at contact heights.
+//! A foot lands where it is farthest ahead of the pelvis along the way (Zeni, Richards and Higginson 2008: kinematic
+//! events without force plates), which needs no guess at contact heights.
 
 use glam::{Quat, Vec3};
 
@@ -39,7 +39,6 @@ pub(super) struct Stride {
     pub(super) step_width: f32,
     pub(super) lead: f32,
     pub(super) duty: f32,
-    pub(super) toe_out: f32,
     pub(super) stance_pitch: [f32; KNOTS],
     pub(super) swing_pitch: [f32; KNOTS],
     pub(super) swing_way: [f32; KNOTS],
@@ -67,11 +66,18 @@ fn landings(track: &Track, ankle: usize) -> Vec<usize> {
         .collect()
 }
 
-/// The frame in which the ball of a foot is farthest behind the pelvis.
+/// The frame in which a foot takes off: its ball leaves the place where it was while the foot was flat.
 fn takes_off(track: &Track, ball: usize, [from, to]: [usize; 2]) -> usize {
-    let behind = |i: &usize| (track.positions[*i][0] - track.positions[*i][ball]).dot(track.ahead[*i]);
-    (from..to).max_by(|a, b| behind(a).total_cmp(&behind(b))).unwrap_or(from)
+    let at = |share: f32| from + (share * (to - from) as f32) as usize;
+    let (a, b) = (at(FLAT[0]), at(FLAT[1]));
+    let placed = (a..=b).map(|i| track.positions[i][ball]).sum::<Vec3>() / (b - a + 1) as f32;
+    (b..to).find(|i| track.positions[*i][ball].distance(placed) > LIFTED_M).unwrap_or(to)
 }
+
+/// A ball of the foot that has moved by this much has left the floor, metres.
+const LIFTED_M: f32 = 0.03;
+/// Shares of the stride between which a foot is flat.
+const FLAT: [f32; 2] = [0.15, 0.28];
 
 fn within(x: f32, [low, high]: [f32; 2]) -> bool {
     (low..=high).contains(&x)
@@ -84,12 +90,15 @@ fn stride(track: &Track, [from, to]: [usize; 2], left: &[usize]) -> Option<Strid
     let pelvis = |i: usize| track.positions[i][0];
     let level = |a: usize, b: usize| (pelvis(b) - pelvis(a)).with_y(0.0).length();
     let speed = level(from, to) / seconds;
-    let halves = [(from, other), (other, to)]
-        .map(|(a, b)| level(a, b) / ((b - a) as f32 * track.frame_seconds));
+    let halves =
+        [(from, other), (other, to)].map(|(a, b)| level(a, b) / ((b - a) as f32 * track.frame_seconds));
     let off = takes_off(track, RIGHT_FOOT, [from, to]);
     let duty = (off - from) as f32 / (to - from) as f32;
     let share = (other - from) as f32 / (to - from) as f32;
     let steady = (halves[0] - halves[1]).abs() < STEADY * speed;
+    if std::env::var("GAITDBG").is_ok() {
+        eprintln!("{speed:.2} {seconds:.2} duty {duty:.2} share {share:.2} steady {steady}");
+    }
     let walks = within(seconds, STRIDE_S) && within(speed, SPEED_M_PER_S) && within(duty, DUTY);
     if !(walks && steady && within(share, OTHER_SHARE)) {
         return None;
@@ -121,6 +130,15 @@ impl Measure<'_> {
         let floor = self.flat_ankle_m();
         let height = instants.iter().map(|t| (self.point(*t, 0).y - floor) / leg).collect();
         let both = self.landing();
+        if std::env::var("GAITDBG").is_ok() {
+            eprintln!(
+                "  ok speed {:.2} len {:.3} width {:.3} lead {:.3}",
+                pace.speed,
+                both.length / leg,
+                both.width / leg,
+                both.lead / leg
+            );
+        }
         Stride {
             pace,
             turns: instants.iter().map(|t| self.turns(*t)).collect(),
@@ -130,7 +148,6 @@ impl Measure<'_> {
             step_width: both.width / leg,
             lead: both.lead / leg,
             duty,
-            toe_out: self.toe_out(),
             stance_pitch: self.pitches(self.from, self.off),
             swing_pitch: self.pitches(self.off, self.to),
             swing_way: self.swing_way(),
@@ -171,7 +188,8 @@ impl Measure<'_> {
     /// Turn about Y of the way at each instant: from the direction at the stride's beginning to that at its end, so
     /// that the pelvis's own turning is not taken for the way's.
     fn way_direction(&self) -> impl Fn(f32) -> Quat {
-        let chord = |a: usize, b: usize| (self.track.positions[b][0] - self.track.positions[a][0]).with_y(0.0);
+        let chord =
+            |a: usize, b: usize| (self.track.positions[b][0] - self.track.positions[a][0]).with_y(0.0);
         let (first, second) = (chord(self.from, self.other), chord(self.other, self.to));
         let mean = (first + second).normalize_or(Vec3::Z);
         let turn = signed_angle(first, second);
@@ -202,10 +220,10 @@ impl Measure<'_> {
         heights.sum::<f32>() / (b - a + 1) as f32
     }
 
-    /// Frames in which the right foot is flat: from a fifth to two fifths of its stance.
+    /// Frames in which the right foot is flat.
     fn flat(&self) -> (usize, usize) {
-        let stance = (self.off - self.from) as f32;
-        (self.from + (0.2 * stance) as usize, self.from + (0.4 * stance) as usize)
+        let stride = (self.to - self.from) as f32;
+        (self.from + (FLAT[0] * stride) as usize, self.from + (FLAT[1] * stride) as usize)
     }
 
     fn pitch_of(&self, at: f32) -> f32 {
@@ -224,15 +242,6 @@ impl Measure<'_> {
         self.knots(from, to, &|t| self.pitch_of(t) - flat)
     }
 
-    fn toe_out(&self) -> f32 {
-        let (a, b) = self.flat();
-        let middle = usize::midpoint(a, b);
-        let toes = self.track.feet[middle][1] * Vec3::Z;
-        let way = self.way_direction()(middle as f32) * Vec3::Z;
-        // To the right is outwards for the right foot.
-        -signed_angle(way, toes)
-    }
-
     fn swing_way(&self) -> [f32; KNOTS] {
         let [a, b] = [self.off, self.to].map(|i| self.point(i as f32, RIGHT_ANKLE));
         let way = (b - a).with_y(0.0);
@@ -247,9 +256,10 @@ impl Measure<'_> {
 
     /// Where the flat feet stand around the right foot's landing.
     fn landing(&self) -> Landing {
-        let stance = (self.off - self.from) as f32;
-        let flat = |from: usize, ankle: usize| self.point(from as f32 + 0.3 * stance, ankle);
-        let advance = self.track.positions[self.to][RIGHT_ANKLE] - self.track.positions[self.from][RIGHT_ANKLE];
+        let middle = 0.5 * (FLAT[0] + FLAT[1]) * (self.to - self.from) as f32;
+        let flat = |from: usize, ankle: usize| self.point(from as f32 + middle, ankle);
+        let advance =
+            self.track.positions[self.to][RIGHT_ANKLE] - self.track.positions[self.from][RIGHT_ANKLE];
         let right = flat(self.from, RIGHT_ANKLE);
         // Where the left foot stood before is where it stands now less one stride.
         let left = flat(self.other, LEFT_ANKLE);

@@ -37,7 +37,8 @@ impl FootShape {
 
     fn of(body: &Body, betas: &[f32; BETAS], rest: &[Vec3; JOINTS], ankle: usize) -> Self {
         let model = &body.model;
-        let is_foot = |v: &usize| matches!(model.dominant_joint(*v), joint if joint == ankle || joint == ankle + 3);
+        let is_foot =
+            |v: &usize| matches!(model.dominant_joint(*v), joint if joint == ankle || joint == ankle + 3);
         let shaped = |v: usize| {
             let moved = model.shape_dirs[v].iter().zip(betas).map(|(dir, beta)| *dir * *beta).sum::<Vec3>();
             model.template[v] + moved - rest[ankle]
@@ -251,11 +252,14 @@ impl Stick {
     }
 
     fn pose(&self, posed: &FrameJoints) -> BodyPose {
-        let is_leg = |joint: usize| {
-            Limb::LEGS.iter().any(|l| [l.upper, l.lower, l.end, l.end + 3].contains(&joint))
-        };
+        let is_leg =
+            |joint: usize| Limb::LEGS.iter().any(|l| [l.upper, l.lower, l.end, l.end + 3].contains(&joint));
         std::array::from_fn(|i| {
-            if is_leg(i + 1) { posed.local(i + 1) } else { near(Quat::IDENTITY, self.turns[i]).to_scaled_axis() }
+            if is_leg(i + 1) {
+                posed.local(i + 1)
+            } else {
+                near(Quat::IDENTITY, self.turns[i]).to_scaled_axis()
+            }
         })
     }
 
@@ -270,6 +274,12 @@ impl Stick {
             let may = (longest * longest - level).max(0.0).sqrt();
             (-to.y - may).max(0.0)
         })
+    }
+
+    /// Both knees, world frame.
+    pub(super) fn knees(&self, person: &Person) -> [Vec3; 2] {
+        let posed = self.legs(person);
+        Limb::LEGS.map(|limb| posed.positions[limb.lower])
     }
 
     /// A hip joint, world frame.
@@ -296,7 +306,14 @@ impl Stick {
 
     /// Brings a wrist to `target` by `weight`, the elbow towards `pole` (world frame), as far as the arm reaches; the
     /// hand keeps its turn in the forearm's frame.
-    pub(super) fn reach_with_arm(&mut self, person: &Person, side: usize, target: Vec3, pole: Vec3, weight: f32) {
+    pub(super) fn reach_with_arm(
+        &mut self,
+        person: &Person,
+        side: usize,
+        target: Vec3,
+        pole: Vec3,
+        weight: f32,
+    ) {
         if weight <= 0.0 {
             return;
         }

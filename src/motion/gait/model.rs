@@ -128,8 +128,6 @@ pub struct GaitModel {
     pub lead: OfPace,
     /// Share of the stride for which a foot is on the floor.
     pub duty: OfPace,
-    /// Toes outwards, radians.
-    pub toe_out: OfPace,
     /// Pitch of a foot on the floor, radians, toes down positive, from landing to taking off.
     pub stance_pitch: Curve,
     /// Pitch of a foot in the air, from taking off to landing.
@@ -240,11 +238,6 @@ impl GaitModel {
     /// Share of the stride for which a foot is on the floor.
     pub fn duty(&self, pace: Pace) -> f32 {
         at(&self.duty, self.measured(Pace { turn: 0.0, ..pace }))
-    }
-
-    /// Toes outwards, radians.
-    pub fn toe_out(&self, pace: Pace) -> f32 {
-        at(&self.toe_out, self.measured(Pace { turn: 0.0, ..pace }))
     }
 
     /// The series of a joint, if the model has one.

@@ -13,10 +13,7 @@ use crate::motion::leg::Walking;
 #[derive(Clone, Debug)]
 pub(super) enum WalkEnd {
     /// On both feet, facing this way.
-    Still {
-        feet: [FootPose; 2],
-        facing: f32,
-    },
+    Still { feet: [FootPose; 2], facing: f32 },
     /// In the middle of a walk, the right foot landing.
     Walking(Walking),
 }
@@ -72,8 +69,9 @@ pub(super) fn walking_feet(person: &Person, state: &Walking) -> [FootPose; 2] {
     let pace = Pace::new(state.speed_m_per_s, person.leg_m, 0.0);
     let half = 0.5 * person.model.step_length_share(pace) * person.leg_m;
     let middle = state.at - ahead(state.heading) * (person.model.lead_share(pace) * person.leg_m);
-    [(0, -half), (1, half)]
-        .map(|(foot, along)| foot_at(person, foot, middle + ahead(state.heading) * along, state.heading, pace))
+    [(0, -half), (1, half)].map(|(foot, along)| {
+        foot_at(person, foot, middle + ahead(state.heading) * along, state.heading, pace)
+    })
 }
 
 /// A flat foot beside a point of the way.
@@ -81,10 +79,13 @@ fn foot_at(person: &Person, foot: usize, on_way: Vec3, heading: f32, pace: Pace)
     let out = if foot == 0 { 1.0 } else { -1.0 };
     let width = person.model.step_width_share(pace).max(LEAST_WIDTH) * person.leg_m;
     let left = ahead(heading + std::f32::consts::FRAC_PI_2);
-    let toes = heading + out * person.model.toe_out(pace);
+    let toes = heading + out * TOE_OUT;
     FootPose::flat(&person.feet[foot], on_way + left * (0.5 * width * out), toes)
 }
 
+/// Toes outwards in walking, radians: 6.7 degrees (Murray, Drought and Kory 1964); captured skeletons do not agree on
+/// where toes point at rest.
+const TOE_OUT: f32 = 0.117;
 /// Ankles apart over the leg's length; narrower feet would touch.
 const LEAST_WIDTH: f32 = 0.13;
 
@@ -304,9 +305,8 @@ impl<'a> Planner<'a> {
             return moving.iter().map(put).collect();
         }
         let turns = (turn.abs() / TURN_A_STEP).ceil().max(1.0) as usize;
-        let stations: Vec<Station> = (1..turns)
-            .map(|k| station(self.facing[0] + turn * k as f32 / turns as f32))
-            .collect();
+        let stations: Vec<Station> =
+            (1..turns).map(|k| station(self.facing[0] + turn * k as f32 / turns as f32)).collect();
         let side = usize::from(if turn.abs() > 0.1 { turn < 0.0 } else { self.first_to_move() == 1 });
         let pace = Pace::default();
         let mut falls: Vec<_> = stations
@@ -314,7 +314,11 @@ impl<'a> Planner<'a> {
             .enumerate()
             .map(|(k, station)| {
                 let foot = (side + k) % 2;
-                (foot, foot_at(self.person, foot, self.centre_between(k, turns), station.heading, pace), *station)
+                (
+                    foot,
+                    foot_at(self.person, foot, self.centre_between(k, turns), station.heading, pace),
+                    *station,
+                )
             })
             .collect();
         for which in 0..2 {
@@ -355,7 +359,8 @@ impl<'a> Planner<'a> {
             } else if k + 1 == count && !self.walks(1) {
                 usual.clamp(0.5, 0.65)
             } else {
-                (step_m / self.way.speed(station.along_m).min(cruise).max(0.2)).clamp(0.86 * usual, 1.2 * usual)
+                (step_m / self.way.speed(station.along_m).min(cruise).max(0.2))
+                    .clamp(0.86 * usual, 1.2 * usual)
             };
             let pace = model.measured(model.pace_of_step(0.5 * by.max(0.0), person.leg_m));
             let shift_s = if k == 0 && !self.walks(0) { SHIFT_S } else { 0.0 };
@@ -426,10 +431,7 @@ impl Steps {
     pub(super) fn tracks(&self, person: &Person, ends: [&WalkEnd; 2]) -> [FootTrack; 2] {
         let contacts = [0, 1].map(|foot| self.contacts(person, ends, foot));
         let [left, right] = contacts;
-        [
-            FootTrack::new(person.feet[0], left.clone(), &right),
-            FootTrack::new(person.feet[1], right, &left),
-        ]
+        [FootTrack::new(person.feet[0], left.clone(), &right), FootTrack::new(person.feet[1], right, &left)]
     }
 
     fn contacts(&self, person: &Person, ends: [&WalkEnd; 2], foot: usize) -> Vec<Contact> {

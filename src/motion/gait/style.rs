@@ -1,6 +1,6 @@
 //! What a seed changes about a way of moving.
 
-use rand::Rng as _;
+use rand::RngExt as _;
 
 use crate::job::Seed;
 
@@ -22,6 +22,11 @@ pub(super) struct Style {
 }
 
 impl Style {
+    /// The measured manner itself.
+    pub(super) fn plain() -> Self {
+        Self { tempo: 1.0, stride: 1.0, liveliness: 1.0, first_foot: 0, lean: 1.0, hands_to_knees: true }
+    }
+
     pub(super) fn of(seed: Seed) -> Self {
         let mut rng = seed.child("gait", 0).rng();
         Self {

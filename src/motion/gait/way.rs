@@ -56,9 +56,9 @@ impl Way {
 
     /// The planner's speed there, metres per second.
     pub(super) fn speed(&self, along_m: f32) -> f32 {
-        let hint = self.between(along_m).map_or(0.0, |(a, b, share)| {
-            a.speed_m_per_s + (b.speed_m_per_s - a.speed_m_per_s) * share
-        });
+        let hint = self
+            .between(along_m)
+            .map_or(0.0, |(a, b, share)| a.speed_m_per_s + (b.speed_m_per_s - a.speed_m_per_s) * share);
         if hint > 0.1 { hint } else { USUAL_M_PER_S }
     }
 
