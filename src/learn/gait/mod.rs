@@ -68,9 +68,6 @@ pub fn measure_gait(clips: &[PoseClip], rest: &[Vec3; JOINTS], ticker: &Ticker) 
     ticker.stage("looking for strides", clips.len())?;
     let mut found = Vec::new();
     for clip in clips {
-        if std::env::var("GAITDBG").is_ok() {
-            eprintln!("{} {} frames {}", clip.name, clip.frames.len(), clip.frame_seconds);
-        }
         let track = Track::of(clip, rest);
         found.extend(strides(&track));
         found.extend(strides(&track.mirrored()));
@@ -94,7 +91,6 @@ pub fn measure_gait(clips: &[PoseClip], rest: &[Vec3; JOINTS], ticker: &Ticker) 
         sway,
         step_length: scalar(&|s| s.step_length),
         step_width: scalar(&|s| s.step_width),
-        lead: scalar(&|s| s.lead),
         duty: scalar(&|s| s.duty),
         stance_pitch: curve(&|s| s.stance_pitch),
         swing_pitch: curve(&|s| s.swing_pitch),

@@ -23,6 +23,8 @@ const SPEED_M_PER_S: [f32; 2] = [0.35, 1.95];
 const OTHER_SHARE: [f32; 2] = [0.42, 0.58];
 /// Shares of the stride on the floor: below a half there is a flight phase.
 const DUTY: [f32; 2] = [0.53, 0.75];
+/// Step width over the leg's length in a walk ahead.
+const WIDTH: [f32; 2] = [0.02, 0.3];
 /// Fastest change of speed between the halves of a stride, as a share.
 const STEADY: f32 = 0.2;
 
@@ -37,7 +39,6 @@ pub(super) struct Stride {
     pub(super) sway: Vec<f32>,
     pub(super) step_length: f32,
     pub(super) step_width: f32,
-    pub(super) lead: f32,
     pub(super) duty: f32,
     pub(super) stance_pitch: [f32; KNOTS],
     pub(super) swing_pitch: [f32; KNOTS],
@@ -75,9 +76,9 @@ fn takes_off(track: &Track, ball: usize, [from, to]: [usize; 2]) -> usize {
 }
 
 /// A ball of the foot that has moved by this much has left the floor, metres.
-const LIFTED_M: f32 = 0.03;
+const LIFTED_M: f32 = 0.05;
 /// Shares of the stride between which a foot is flat.
-const FLAT: [f32; 2] = [0.15, 0.28];
+const FLAT: [f32; 2] = [0.16, 0.28];
 
 fn within(x: f32, [low, high]: [f32; 2]) -> bool {
     (low..=high).contains(&x)
@@ -96,17 +97,15 @@ fn stride(track: &Track, [from, to]: [usize; 2], left: &[usize]) -> Option<Strid
     let duty = (off - from) as f32 / (to - from) as f32;
     let share = (other - from) as f32 / (to - from) as f32;
     let steady = (halves[0] - halves[1]).abs() < STEADY * speed;
-    if std::env::var("GAITDBG").is_ok() {
-        eprintln!("{speed:.2} {seconds:.2} duty {duty:.2} share {share:.2} steady {steady}");
-    }
     let walks = within(seconds, STRIDE_S) && within(speed, SPEED_M_PER_S) && within(duty, DUTY);
     if !(walks && steady && within(share, OTHER_SHARE)) {
         return None;
     }
     let turned = signed_angle(track.ahead[from], track.ahead[to.min(track.len() - 1)]);
     let pace = Pace::new(speed, track.leg_m, turned / seconds);
-    let measure = Measure { track, from, other, off, to };
-    Some(measure.stride(pace, duty))
+    let stride = Measure { track, from, other, off, to }.stride(pace, duty);
+    // Feet that cross or are far apart step aside.
+    within(stride.step_width, WIDTH).then_some(stride)
 }
 
 /// Turn to the left from one horizontal direction to another.
@@ -130,15 +129,6 @@ impl Measure<'_> {
         let floor = self.flat_ankle_m();
         let height = instants.iter().map(|t| (self.point(*t, 0).y - floor) / leg).collect();
         let both = self.landing();
-        if std::env::var("GAITDBG").is_ok() {
-            eprintln!(
-                "  ok speed {:.2} len {:.3} width {:.3} lead {:.3}",
-                pace.speed,
-                both.length / leg,
-                both.width / leg,
-                both.lead / leg
-            );
-        }
         Stride {
             pace,
             turns: instants.iter().map(|t| self.turns(*t)).collect(),
@@ -146,7 +136,6 @@ impl Measure<'_> {
             sway: instants.iter().map(|t| self.sway(*t) / leg).collect(),
             step_length: both.length / leg,
             step_width: both.width / leg,
-            lead: both.lead / leg,
             duty,
             stance_pitch: self.pitches(self.from, self.off),
             swing_pitch: self.pitches(self.off, self.to),
@@ -263,12 +252,10 @@ impl Measure<'_> {
         let right = flat(self.from, RIGHT_ANKLE);
         // Where the left foot stood before is where it stands now less one stride.
         let left = flat(self.other, LEFT_ANKLE);
-        let middle = right.midpoint(left - advance);
         let way = self.way_direction()(self.from as f32).inverse();
         Landing {
             length: 0.5 * advance.with_y(0.0).length(),
             width: (way * (left - 0.5 * advance - right)).x,
-            lead: (way * (self.track.positions[self.from][0] - middle)).z,
         }
     }
 }
@@ -276,5 +263,4 @@ impl Measure<'_> {
 struct Landing {
     length: f32,
     width: f32,
-    lead: f32,
 }

@@ -90,8 +90,11 @@ pub(super) fn rolled(place: &FootPose, shape: &FootShape, pitch: f32) -> FootPos
     let contact = if pitch > 0.0 { shape.ball } else { shape.heel };
     let rotation = (place.rotation * Quat::from_rotation_x(pitch)).normalize();
     let ankle = place.point(contact) - rotation * contact;
-    FootPose { ankle, rotation, toes: place.toes * Quat::from_rotation_x(-pitch.max(0.0)) }
+    FootPose { ankle, rotation, toes: place.toes * Quat::from_rotation_x(-pitch.clamp(0.0, TOES_BEND)) }
 }
+
+/// Toes bend upwards by at most this, radians (55 degrees).
+const TOES_BEND: f32 = 0.96;
 
 /// One foot's contacts in the order of time, and the swings between them.
 #[derive(Clone, Debug)]
@@ -140,18 +143,21 @@ impl FootTrack {
             rotation,
             toes: toes(a, b, model, x),
         };
-        pose.ankle.y += self.missing_clearance(&pose, over.y, x);
+        let floor_y = self.shape.heel.y + a.place.ankle.y + (b.place.ankle.y - a.place.ankle.y) * way;
+        pose.ankle.y += self.missing_clearance(&pose, floor_y, x);
         pose
     }
 
     /// How much a swinging foot has to be raised for its sole to clear the floor.
     fn missing_clearance(&self, pose: &FootPose, floor_y: f32, x: f32) -> f32 {
         let wanted = CLEARANCE_M * bump(x, [0.0, 0.4, 0.6, 1.0]);
-        let points = [self.shape.heel, self.shape.ball];
+        let toe = self.shape.ball + pose.toes * (self.shape.toe - self.shape.ball);
+        let under_ball = self.shape.ball.with_y(self.shape.heel.y);
+        let points = [self.shape.heel, under_ball, toe];
         let lowest = points.map(|p| pose.point(p).y - floor_y).into_iter().fold(f32::MAX, f32::min);
         // A smooth maximum: no kink where the clearance begins to rule.
         let short = wanted - lowest;
-        0.5 * (short + (short * short + 1e-5 * bump(x, [0.0, 0.2, 0.8, 1.0])).sqrt())
+        0.5 * (short + (short * short + 1e-4 * bump(x, [0.0, 0.2, 0.8, 1.0])).sqrt())
     }
 }
 
@@ -178,7 +184,8 @@ fn swing_pitch(a: &Contact, b: &Contact, model: &GaitModel, x: f32) -> f32 {
 
 /// Toes unbend in the first third of a swing.
 fn toes(a: &Contact, b: &Contact, model: &GaitModel, x: f32) -> Quat {
-    let bent = Quat::from_rotation_x(-leaving_pitch(a, model).max(0.0) * (1.0 - ease(x, 0.0, 0.35)));
+    let bent =
+        Quat::from_rotation_x(-leaving_pitch(a, model).clamp(0.0, TOES_BEND) * (1.0 - ease(x, 0.0, 0.35)));
     a.place.toes.slerp(super::figure::near(a.place.toes, b.place.toes), ease(x, 0.0, 1.0)) * bent
 }
 

@@ -23,7 +23,7 @@ pub(super) struct Person {
 pub(super) struct FootShape {
     /// What the foot rolls about when its toes are up.
     pub(super) heel: Vec3,
-    /// What it rolls about when its heel is up.
+    /// The joint of the toes, which it rolls about when its heel is up: the toes under it stay.
     pub(super) ball: Vec3,
     /// The foremost point of the sole.
     pub(super) toe: Vec3,
@@ -47,10 +47,9 @@ impl FootShape {
         let sole = skin.iter().map(|v| v.y).fold(0.0, f32::min);
         let near = skin.iter().filter(|v| v.y < sole + SOLE_M);
         let (back, front) = near.fold((0.0f32, 0.0f32), |(back, front), v| (back.min(v.z), front.max(v.z)));
-        let ball = rest[ankle + 3] - rest[ankle];
         Self {
             heel: Vec3::new(0.0, sole, back),
-            ball: Vec3::new(0.0, sole, ball.z),
+            ball: rest[ankle + 3] - rest[ankle],
             toe: Vec3::new(0.0, sole, front),
         }
     }
@@ -74,6 +73,13 @@ impl Person {
     /// Hip joints apart, metres.
     pub(super) fn hips_m(&self) -> f32 {
         self.rest[j::LEFT_HIP].distance(self.rest[j::RIGHT_HIP])
+    }
+
+    /// Pelvis before the middle between the flat ankles when a foot lands, metres: it is midway between what both feet
+    /// touch the floor with, the ball behind and the heel ahead (the pendulum's highest loss of height is the same on
+    /// both sides).
+    pub(super) fn lead_m(&self) -> f32 {
+        0.5 * (self.feet[0].ball.z + self.feet[0].heel.z)
     }
 
     /// Pelvis joint above the hip joints, metres.

@@ -124,8 +124,6 @@ pub struct GaitModel {
     pub step_length: OfPace,
     /// Ankles apart, square to the way.
     pub step_width: OfPace,
-    /// Pelvis ahead of the middle between the ankles when a foot lands.
-    pub lead: OfPace,
     /// Share of the stride for which a foot is on the floor.
     pub duty: OfPace,
     /// Pitch of a foot on the floor, radians, toes down positive, from landing to taking off.
@@ -228,11 +226,6 @@ impl GaitModel {
     /// Ankles apart over the leg's length.
     pub fn step_width_share(&self, pace: Pace) -> f32 {
         at(&self.step_width, self.measured(Pace { turn: 0.0, ..pace }))
-    }
-
-    /// Pelvis ahead of the middle between the ankles when a foot lands, over the leg's length.
-    pub fn lead_share(&self, pace: Pace) -> f32 {
-        at(&self.lead, self.measured(Pace { turn: 0.0, ..pace }))
     }
 
     /// Share of the stride for which a foot is on the floor.

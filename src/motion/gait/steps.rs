@@ -68,7 +68,7 @@ const LONGEST_SWING: f32 = 0.86;
 pub(super) fn walking_feet(person: &Person, state: &Walking) -> [FootPose; 2] {
     let pace = Pace::new(state.speed_m_per_s, person.leg_m, 0.0);
     let half = 0.5 * person.model.step_length_share(pace) * person.leg_m;
-    let middle = state.at - ahead(state.heading) * (person.model.lead_share(pace) * person.leg_m);
+    let middle = state.at - ahead(state.heading) * person.lead_m();
     [(0, -half), (1, half)].map(|(foot, along)| {
         foot_at(person, foot, middle + ahead(state.heading) * along, state.heading, pace)
     })
@@ -185,8 +185,7 @@ impl<'a> Planner<'a> {
         let WalkEnd::Walking(state) = self.ends[end] else { return at };
         let pace = Pace::new(state.speed_m_per_s, self.person.leg_m, 0.0);
         let half = 0.5 * self.person.model.step_length_share(pace) * self.person.leg_m;
-        let lead = self.person.model.lead_share(pace) * self.person.leg_m;
-        at - lead + if which == 0 { -half } else { half }
+        at - self.person.lead_m() + if which == 0 { -half } else { half }
     }
 
     /// Lengths of the steps along the way, from the foot that landed last to the one that lands last but one.

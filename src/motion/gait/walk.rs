@@ -358,7 +358,7 @@ fn path(person: &Person, ends: [&End; 2], steps: &Steps) -> Spline {
     let still_end = matches!(ends[1], End::Still(_));
     for (k, fall) in steps.falls.iter().enumerate() {
         feet[fall.foot] = fall.place;
-        let lead = person.model.lead_share(fall.pace) * person.leg_m * fall.roll;
+        let lead = person.lead_m() * fall.roll;
         let middle = feet[0].ankle.midpoint(feet[1].ankle) - Vec3::Y * person.ankle_m();
         let over = middle + ahead(fall.heading) * lead;
         if k + 1 < count {
