@@ -4,6 +4,7 @@
 pub mod corpus;
 pub mod estimation;
 pub mod evaluate_psi;
+pub mod gait;
 pub mod motion;
 pub mod psi;
 pub mod stage;

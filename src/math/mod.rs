@@ -11,6 +11,7 @@ pub mod directions;
 mod eigen;
 mod kmeans;
 mod lbfgs;
+mod least_squares;
 mod lognormal;
 pub mod rotation;
 
@@ -21,4 +22,5 @@ pub use bessel::{bessel_ratio, ln_bessel_i0_scaled};
 pub use eigen::symmetric_eigen;
 pub use kmeans::{KMeans, KMeansConfig, kmeans};
 pub use lbfgs::{LbfgsConfig, minimise};
+pub use least_squares::LeastSquares;
 pub use lognormal::LogNormal;
