@@ -42,8 +42,8 @@ const LIES_OTHERWISE_M: f32 = 0.15;
 const EYES_M: (f32, f32) = (1.5, 4.0);
 /// Free radius where one gets up from a bed's edge, metres.
 const GET_UP_M: f32 = 0.15;
-/// From below the pelvis to between the feet of somebody seated, metres.
-const SHINS_AHEAD_M: f32 = 0.42;
+/// From below the pelvis of somebody on a bed's edge to where they stand once they got up, metres.
+const GOT_UP_M: f32 = 0.65;
 
 /// A sub-goal with its body.
 #[derive(Clone, Debug)]
@@ -426,7 +426,7 @@ impl<'a> Resolver<'a> {
         ticker: &Ticker,
     ) -> Result<Option<(Frame, Seated)>, Cancelled> {
         let floor = &self.cast.geometry.floor;
-        let feet = |p: &Place| flat(p.under_pelvis) + p.facing * SHINS_AHEAD_M;
+        let feet = |p: &Place| flat(p.under_pelvis) + p.facing * GOT_UP_M;
         let usable = |p: &&Place| {
             p.support == support
                 && support.is_some()
