@@ -12,6 +12,7 @@ mod figures;
 mod generate;
 mod import;
 mod inspect;
+mod learn;
 mod load;
 mod network;
 mod output;
@@ -109,7 +110,10 @@ pub enum Command {
     Inspect(inspect::InspectArguments),
     /// Put people into a room and write them, a report and pictures.
     Generate(generate::GenerateArguments),
-    /// Learn from data.
+    /// Learn statistics of people: actions from annotated photos, poses from clips.
+    #[command(subcommand)]
+    Learn(learn::Learn),
+    /// Train networks on data.
     #[command(subcommand)]
     Train(train::Train),
     /// Say how good something is: tables and pictures.
@@ -173,6 +177,7 @@ pub fn run(command: Command) -> ExitCode {
     let result = match command {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
+        Command::Learn(subject) => learn::run(&subject),
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
         Command::Stage(arguments) => stage::run(&arguments),

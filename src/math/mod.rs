@@ -8,14 +8,18 @@ mod bessel;
 pub mod directions;
 mod eigen;
 mod kmeans;
+mod lasso;
 mod lbfgs;
 mod lognormal;
 pub mod rotation;
+mod spectral;
 
 pub use aabb::Aabb;
 pub use adam::{Adam, AdamConfig, AdamStep};
 pub use bessel::{bessel_ratio, ln_bessel_i0_scaled};
 pub use eigen::symmetric_eigen;
 pub use kmeans::{KMeans, KMeansConfig, kmeans};
+pub use lasso::{LassoConfig, lasso};
 pub use lbfgs::{LbfgsConfig, minimise};
 pub use lognormal::LogNormal;
+pub use spectral::{Rows, orthonormal_rows, singular_values, spectral_proximal};
