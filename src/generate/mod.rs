@@ -18,5 +18,5 @@ mod seat_places;
 
 pub use cells::Cells;
 pub use place::{Place, support_name};
-pub use search::{Proposal, SearchRequest, all_places, search};
+pub use search::{Proposal, SearchRequest, all_places, search, settle_person};
 pub use seat_places::seat_family;

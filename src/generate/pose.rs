@@ -66,19 +66,44 @@ impl<'a> Poser<'a> {
 
     /// Draws a person of the place's family and sets them down there as well as a coarse search can.
     pub fn settle(&self, geometry: &RoomGeometry, place: &Place, rng: &mut Rng) -> Settled {
-        let mut params = self.draw(place, rng);
+        let betas = shape(rng);
+        let params = self.draw(place, betas, TURN, rng);
+        self.set_down(geometry, place, params, &SHIFTS_M)
+    }
+
+    /// Draws how the person of this shape holds themselves and sets them down; with `exactly` the pelvis is over the
+    /// place's point and the front in the place's direction.
+    pub fn settle_person(
+        &self,
+        geometry: &RoomGeometry,
+        place: &Place,
+        betas: [f32; BETAS],
+        exactly: bool,
+        rng: &mut Rng,
+    ) -> Settled {
+        let params = self.draw(place, betas, if exactly { 0.0 } else { TURN }, rng);
+        self.set_down(geometry, place, params, if exactly { &SHIFTS_M[..1] } else { &SHIFTS_M })
+    }
+
+    fn set_down(
+        &self,
+        geometry: &RoomGeometry,
+        place: &Place,
+        mut params: BodyParams,
+        shifts_m: &[(f32, f32)],
+    ) -> Settled {
         let points = self.posed_points(&params, place.family);
         let skin = Skin { points: &points.0, anchors: points.1 };
-        let (offset, cost) = best_offset(geometry, place, &skin);
+        let (offset, cost) = best_offset(geometry, place, &skin, shifts_m);
         params.translation += offset;
         Settled { params, cost }
     }
 
-    /// A person of the place's family with the pelvis joint at the origin, turned as the place says.
-    fn draw(&self, place: &Place, rng: &mut Rng) -> BodyParams {
-        let betas = shape(rng);
+    /// A person of the place's family with the pelvis joint at the origin, turned as the place says up to `turn`
+    /// radians.
+    fn draw(&self, place: &Place, betas: [f32; BETAS], turn: f32, rng: &mut Rng) -> BodyParams {
         let sample = sample_pose(&self.body.model.joint_template, place.family, rng, &place.hints);
-        let turn = rng.random_range(-TURN..TURN);
+        let turn = rng.random_range(-1.0..1.0) * turn;
         let yaw = yaw_to(place, &sample.upright_from_body, turn);
         let mut params = sample.params(self.body, betas, &yaw);
         params.translation = -self.body.model.rest_joints(&betas)[0];
@@ -126,13 +151,18 @@ fn yaw_to(place: &Place, upright_from_body: &Mat3, turn: f32) -> Mat3 {
 }
 
 /// The translation from the origin under which the body rests best, and its cost there.
-fn best_offset(geometry: &RoomGeometry, place: &Place, skin: &Skin<'_>) -> (Vec3, f32) {
+fn best_offset(
+    geometry: &RoomGeometry,
+    place: &Place,
+    skin: &Skin<'_>,
+    shifts_m: &[(f32, f32)],
+) -> (Vec3, f32) {
     let lowest = skin.points[..skin.anchors].iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
     let rest = place.under_pelvis - Vec3::Y * lowest;
     let ahead = Vec3::new(place.facing.x, 0.0, place.facing.y);
     let aside = ahead.cross(Vec3::Y);
     let mut best = (rest, f32::INFINITY);
-    for (forward_m, sideways_m) in SHIFTS_M {
+    for &(forward_m, sideways_m) in shifts_m {
         for lift_m in LIFTS_M {
             let offset = rest + ahead * forward_m + aside * sideways_m + Vec3::Y * lift_m;
             let moved = 0.02 * (forward_m.abs() + sideways_m.abs()) / 0.05;

@@ -12,7 +12,7 @@ use super::pose::{Poser, Settled};
 use super::seat_places::{LAST_RESORT, seat_places};
 use crate::body::Body;
 use crate::job::{Cancelled, Rng, Seed, Ticker};
-use crate::scene::{BodyParams, PoseFamily, Room, RoomGeometry};
+use crate::scene::{BETAS, BodyParams, PoseFamily, Room, RoomGeometry};
 
 /// Poses tried at each place; the one that settles best is proposed.
 const POSES_PER_PLACE: u64 = 5;
@@ -178,6 +178,31 @@ fn draw(places: &[Place], weights: &[f32], family: PoseFamily, rng: &mut Rng) ->
         }
     }
     last
+}
+
+/// The best of a few poses of one person at one place; with `exactly` no place or direction near by will do.
+pub fn settle_person(
+    body: &Body,
+    geometry: &RoomGeometry,
+    place: &Place,
+    betas: &[f32; BETAS],
+    exactly: bool,
+    seed: Seed,
+) -> Proposal {
+    let poser = Poser::new(body);
+    let settle =
+        |i: u64| poser.settle_person(geometry, place, *betas, exactly, &mut seed.child("pose", i).rng());
+    let settled = (1..POSES_PER_PLACE)
+        .map(settle)
+        .fold(settle(0), |best, next| if next.cost < best.cost { next } else { best });
+    Proposal {
+        params: settled.params,
+        family: place.family,
+        support: place.support,
+        on: place.on.clone(),
+        seed,
+        cost: settled.cost,
+    }
 }
 
 fn best_pose(poser: &Poser<'_>, geometry: &RoomGeometry, place: &Place, seed: Seed) -> Settled {

@@ -1,9 +1,11 @@
-//! Rotations (6-D, axis-angle), Adam, L-BFGS, boxes, clusters, statistics of directions and lengths. Knows nothing else of the crate.
+//! Rotations (6-D, axis-angle), Adam, L-BFGS, a smoother, boxes, clusters, statistics of directions and lengths.
+//! Knows nothing else of the crate.
 //!
 //! May not name any other module, read files or hold domain types. Names carry frame and unit.
 
 mod aabb;
 mod adam;
+mod banded;
 mod bessel;
 pub mod directions;
 mod eigen;
@@ -16,6 +18,7 @@ mod spectral;
 
 pub use aabb::Aabb;
 pub use adam::{Adam, AdamConfig, AdamStep};
+pub use banded::Smoother;
 pub use bessel::{bessel_ratio, ln_bessel_i0_scaled};
 pub use eigen::symmetric_eigen;
 pub use kmeans::{KMeans, KMeansConfig, kmeans};

@@ -6,7 +6,7 @@ use crate::body::hands::HandShape;
 use crate::body::joints::{HEAD, LEFT_HIP, LEFT_KNEE, LEFT_SHOULDER, PELVIS, SPINE3};
 
 use super::chance::Chance;
-use super::figure::{Figure, Limb, Side};
+use super::figure::{Figure, Side, arm as arm_of};
 
 /// From the wrist to the middle of the palm.
 const PALM_M: f32 = 0.085;
@@ -77,7 +77,7 @@ struct Reach {
 /// Moves one arm of `figure`, and says how its hand is shaped.
 pub(super) fn place(figure: &mut Figure, side: Side, goal: ArmGoal, rng: &mut impl Chance) -> HandShape {
     let reach = reach_of(figure, side, goal, rng);
-    figure.reach(Limb::arm(side), reach.wrist, reach.pole);
+    figure.reach(arm_of(side), reach.wrist, reach.pole);
     if let Some((fingers, palm)) = reach.hand {
         figure.aim_hand(side, fingers, palm);
     }

@@ -3,6 +3,7 @@
 
 use glam::{Mat3, Vec3};
 
+use crate::body::ik::{Limb, axes, two_bone};
 use crate::body::joints::{self, JOINTS, PARENTS};
 use crate::body::pose_space::BodyPose;
 use crate::math::rotation;
@@ -42,34 +43,14 @@ impl Side {
     }
 }
 
-/// A limb of two bones.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limb {
-    pub(super) upper: usize,
-    pub(super) lower: usize,
-    pub(super) end: usize,
-    /// Axis at rest about which the lower bone turns when the limb bends: upper × lower direction.
-    hinge: Vec3,
+/// The arm of a side.
+pub(super) fn arm(side: Side) -> Limb {
+    Limb::ARMS[side as usize]
 }
 
-impl Limb {
-    pub(super) fn arm(side: Side) -> Self {
-        Self {
-            upper: side.joint(joints::LEFT_SHOULDER),
-            lower: side.joint(joints::LEFT_ELBOW),
-            end: side.joint(joints::LEFT_WRIST),
-            hinge: Vec3::new(0.0, -side.sign(), 0.0),
-        }
-    }
-
-    pub(super) fn leg(side: Side) -> Self {
-        Self {
-            upper: side.joint(joints::LEFT_HIP),
-            lower: side.joint(joints::LEFT_KNEE),
-            end: side.joint(joints::LEFT_ANKLE),
-            hinge: Vec3::X,
-        }
-    }
+/// The leg of a side.
+pub(super) fn leg(side: Side) -> Limb {
+    Limb::LEGS[side as usize]
 }
 
 /// Rest joints and the rotation of each joint in its parent's frame; the root's is upright-from-body.
@@ -116,39 +97,24 @@ impl Figure {
     /// Points a limb's two bones along world directions; the hinge stays square to both, so nothing twists.
     /// `pole` says to which side the middle joint points.
     pub(super) fn aim_limb(&mut self, limb: Limb, upper: Vec3, lower: Vec3, pole: Vec3) {
-        let natural = pole.cross(upper);
-        let hinge = upper.cross(lower);
-        let hinge = if hinge.length() > 0.02 { hinge } else { natural };
-        // A limb a little beyond straight is overstretched, not turned round.
-        let hinge = if hinge.dot(natural) < 0.0 { -hinge } else { hinge };
-        let hinge = hinge.normalize_or(limb.hinge);
-        let upper_rest = self.rest[limb.lower] - self.rest[limb.upper];
-        let lower_rest = self.rest[limb.end] - self.rest[limb.lower];
-        self.set_rotation(limb.upper, frame(upper, hinge) * frame(upper_rest, limb.hinge).transpose());
-        self.set_rotation(limb.lower, frame(lower, hinge) * frame(lower_rest, limb.hinge).transpose());
+        let [upper, lower] = limb.aim(&self.rest, [upper, lower], pole);
+        self.set_rotation(limb.upper, upper);
+        self.set_rotation(limb.lower, lower);
     }
 
-    /// Two-bone inverse kinematics: brings the limb's end to `target` as far as it reaches, the middle joint
-    /// towards `pole` (law of cosines).
+    /// Brings the limb's end to `target` as far as it reaches, the middle joint towards `pole`.
     pub(super) fn reach(&mut self, limb: Limb, target: Vec3, pole: Vec3) {
-        let root = self.position(limb.upper);
-        let (a, b) = (self.bone(limb.lower), self.bone(limb.end));
-        let along = (target - root).normalize_or(Vec3::NEG_Y);
-        let folded = (a * a + b * b - 2.0 * a * b * LEAST_INNER_ANGLE.cos()).sqrt();
-        let distance = (target - root).length().clamp(folded, (a + b) * 0.995);
-        let pole = (pole - along * pole.dot(along)).normalize_or(along.any_orthonormal_vector());
-        let cos = ((a * a + distance * distance - b * b) / (2.0 * a * distance)).clamp(-1.0, 1.0);
-        let upper = along * cos + pole * (1.0 - cos * cos).sqrt();
-        let lower = (along * distance - upper * a).normalize_or(along);
-        self.aim_limb(limb, upper, lower, pole);
+        let bend =
+            two_bone(target - self.position(limb.upper), limb.bones_m(&self.rest), pole, LONGEST_SHARE);
+        self.aim_limb(limb, bend.bones[0], bend.bones[1], pole);
     }
 
     /// Turns a hand so that its fingers and palm point where asked, as far as forearm and wrist allow; most
     /// of the turn about the forearm is taken by the forearm.
     pub(super) fn aim_hand(&mut self, side: Side, fingers: Vec3, palm: Vec3) {
-        let arm = Limb::arm(side);
+        let arm = arm(side);
         let rest_axis = Vec3::X * side.sign();
-        let hand = frame(fingers, palm) * frame(rest_axis, Vec3::NEG_Y).transpose();
+        let hand = axes(fingers, palm) * axes(rest_axis, Vec3::NEG_Y).transpose();
         let relative = self.rotation(arm.lower).transpose() * hand;
         let (swing, twist) = swing_twist(relative, rest_axis);
         let twist = twist.clamp(-MAX_FOREARM_TWIST, MAX_FOREARM_TWIST);
@@ -177,21 +143,14 @@ impl Figure {
     }
 }
 
-/// Radians between the two bones of a limb bent as far as flesh lets it: 145 degrees of flexion.
-const LEAST_INNER_ANGLE: f32 = 0.61;
+/// Nobody reaches with limbs as straight as a ruler.
+const LONGEST_SHARE: f32 = 0.995;
 /// Radians; pronation and supination reach 75 to 85 degrees each (AAOS norms).
 const MAX_FOREARM_TWIST: f32 = 1.5;
 /// Radians; wrist flexion and extension reach 70 to 80 degrees (AAOS norms), less in comfort.
 const MAX_WRIST_SWING: f32 = 1.1;
 /// Share of a hand's twist that the forearm's skin takes; all of it at the wrist would pinch the mesh.
 const FOREARM_SHARE: f32 = 0.6;
-
-/// Right-handed frame with its first axis along `first` and its second as near to `second` as it can be.
-pub(super) fn frame(first: Vec3, second: Vec3) -> Mat3 {
-    let x = first.normalize_or(Vec3::X);
-    let y = (second - x * x.dot(second)).normalize_or(x.any_orthonormal_vector());
-    Mat3::from_cols(x, y, x.cross(y))
-}
 
 /// Splits `rotation = swing · twist`, the twist about `axis` in radians, the swing as axis-angle.
 fn swing_twist(rotation: Mat3, axis: Vec3) -> (Vec3, f32) {

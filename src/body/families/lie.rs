@@ -9,7 +9,7 @@ use crate::body::joints::{LEFT_HIP, LEFT_KNEE, PELVIS};
 
 use super::arms::ArmGoal;
 use super::chance::Chance;
-use super::figure::{Figure, Limb, Side};
+use super::figure::{Figure, Side, leg as leg_of};
 use super::stand::{ANKLE_HEIGHT_M, set_foot};
 use super::torso::{self, Torso};
 
@@ -31,7 +31,7 @@ pub(super) fn face_up(figure: &mut Figure, rng: &mut impl Chance) -> [HandShape;
             let hip = figure.position(side.joint(LEFT_HIP));
             let ankle =
                 hip + Vec3::new(rng.between(-0.03, 0.06), ANKLE_HEIGHT_M - BACK_M, rng.between(0.6, 0.68));
-            figure.reach(Limb::leg(side), ankle, side.outward(rng.between(-0.1, 0.25), 1.0, 0.0));
+            figure.reach(leg_of(side), ankle, side.outward(rng.between(-0.1, 0.25), 1.0, 0.0));
             set_foot(figure, side, Mat3::from_rotation_y(rng.degrees(6.0, 4.0)));
             continue;
         }
@@ -122,7 +122,7 @@ fn leg(figure: &mut Figure, side: Side, hip_flexion: f32, apart: f32, knee: f32)
     let thigh = root * thigh_turn * Vec3::NEG_Y;
     let shank = root * thigh_turn * Mat3::from_rotation_x(knee) * Vec3::NEG_Y;
     let knee_cap = root * thigh_turn * Vec3::Z;
-    figure.aim_limb(Limb::leg(side), thigh, shank, knee_cap);
+    figure.aim_limb(leg_of(side), thigh, shank, knee_cap);
 }
 
 /// A leg drawn up along the mattress, face down: thigh out by `apart`, the shank back in by `knee`, radians.
@@ -130,7 +130,7 @@ fn draw_up(figure: &mut Figure, side: Side, apart: f32, knee: f32) {
     let root = figure.rotation(PELVIS);
     let in_plane = |angle: f32, lift: f32| root * side.outward(angle.sin(), -angle.cos(), -lift);
     let shank = in_plane(apart - knee, 0.4).normalize_or(Vec3::Z);
-    figure.aim_limb(Limb::leg(side), in_plane(apart, 0.0), shank, root * side.outward(1.0, 0.0, 0.0));
+    figure.aim_limb(leg_of(side), in_plane(apart, 0.0), shank, root * side.outward(1.0, 0.0, 0.0));
 }
 
 /// Skin of back and seat behind the pelvis joint, body at rest.

@@ -9,7 +9,7 @@ use crate::scene::PoseFamily;
 use super::FamilyHints;
 use super::arms::{ArmGoal, HIP_ABOVE_SEAT_M};
 use super::chance::Chance;
-use super::figure::{Figure, Limb, Side};
+use super::figure::{Figure, Side, leg as leg_of};
 use super::stand::{ANKLE_HEIGHT_M, set_foot};
 use super::torso::{self, Torso};
 
@@ -136,7 +136,7 @@ fn place_legs(figure: &mut Figure, family: PoseFamily, seat_m: f32, rng: &mut im
 /// that is `hips_m` below the hips, or hanging where the seat is too high for it.
 fn lower_leg(figure: &mut Figure, side: Side, seat: Seat, splay: f32, forward: f32, rng: &mut impl Chance) {
     let hips_m = seat.hips_m;
-    let leg = Limb::leg(side);
+    let leg = leg_of(side);
     let (thigh_m, shank_m) = (figure.bone(leg.lower), figure.bone(leg.end));
     let wanted = (ANKLE_HEIGHT_M + shank_m * forward.cos() - hips_m) / thigh_m;
     let rise = wanted.clamp(seat.least_thigh_rise, 0.5);
@@ -160,7 +160,7 @@ fn lower_leg(figure: &mut Figure, side: Side, seat: Seat, splay: f32, forward: f
 
 /// Brings an ankle to the middle line, the left one before the right.
 fn cross_ankle(figure: &mut Figure, side: Side, hips_m: f32) {
-    let leg = Limb::leg(side);
+    let leg = leg_of(side);
     let knee = figure.position(side.joint(LEFT_KNEE));
     let hip = figure.position(side.joint(LEFT_HIP));
     let before = if side == Side::Left { 0.115 } else { 0.0 };
@@ -177,7 +177,7 @@ fn cross_ankle(figure: &mut Figure, side: Side, hips_m: f32) {
 fn cross_knees(figure: &mut Figure, seat: Seat, rng: &mut impl Chance) {
     lower_leg(figure, Side::Right, seat, rng.degrees(-3.0, 2.0), rng.degrees(8.0, 4.0), rng);
     let below = figure.position(Side::Right.joint(LEFT_KNEE));
-    let leg = Limb::leg(Side::Left);
+    let leg = leg_of(Side::Left);
     let hip = figure.position(LEFT_HIP);
     let knee = Vec3::new(below.x + 0.05, below.y + 0.135, below.z + 0.01);
     let thigh = (knee - hip).normalize_or(Vec3::Z);
@@ -252,7 +252,7 @@ fn straight_legs(figure: &mut Figure, rng: &mut impl Chance) -> [HandShape; 2] {
     let one_up = rng.chance(0.25);
     let crossed = !one_up && rng.chance(0.25);
     for side in Side::BOTH {
-        let leg = Limb::leg(side);
+        let leg = leg_of(side);
         let splay = if crossed { -0.035 } else { rng.degrees(5.0, 3.0) };
         let rise: f32 = if one_up && side == Side::Left {
             rng.degrees(52.0, 5.0)

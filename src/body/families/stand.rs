@@ -7,7 +7,7 @@ use crate::body::joints::{LEFT_ANKLE, LEFT_FOOT, LEFT_HIP};
 
 use super::arms::ArmGoal;
 use super::chance::Chance;
-use super::figure::{Figure, Limb, Side};
+use super::figure::{Figure, Side, leg as leg_of};
 use super::torso::{self, Torso};
 use super::{FamilyHints, LeanStyle};
 
@@ -195,7 +195,7 @@ fn lean_back(
 fn plant(figure: &mut Figure, stance: &Stance) -> f32 {
     let reach = |side: Side, i: usize| {
         let hip = figure.position(side.joint(LEFT_HIP));
-        let leg = Limb::leg(side);
+        let leg = leg_of(side);
         let length = figure.bone(leg.lower) + figure.bone(leg.end);
         let ankle = Vec3::new(side.sign() * stance.outward_m[i], 0.0, stance.forward_m[i]);
         let aside = (ankle - hip).with_y(0.0).length_squared();
@@ -208,7 +208,7 @@ fn plant(figure: &mut Figure, stance: &Stance) -> f32 {
         let target = Vec3::new(side.sign() * stance.outward_m[i], -drop, stance.forward_m[i]);
         let toe_out = stance.toe_out[i] * side.sign();
         let pole = Mat3::from_rotation_y(toe_out) * Vec3::Z;
-        figure.reach(Limb::leg(side), target, pole);
+        figure.reach(leg_of(side), target, pole);
         set_foot(figure, side, Mat3::from_rotation_y(toe_out));
     }
     drop + ANKLE_HEIGHT_M

@@ -12,6 +12,7 @@ mod shadow;
 mod targets;
 mod texture;
 mod viewport;
+mod workers;
 
 pub(super) use people::PeopleCache;
 pub(super) use pipelines::Pipelines;

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use wgpu::util::DeviceExt as _;
 
 use super::Pipelines;
+use super::workers::for_frame;
 use crate::render::draw::{PersonDraw, SceneDraw};
 use crate::render::dress::{BodySurface, Outfit, SurfacePart};
 use crate::render::heat::heat_color;
@@ -70,7 +71,8 @@ impl PeopleCache {
         }
         self.people.retain(|id, _| draw.people.iter().any(|p| p.id == *id));
         let changed: Vec<&PersonDraw> = draw.people.iter().filter(|p| self.is_new(p)).collect();
-        let posed: Vec<Vec<[Vec3; 2]>> = changed.par_iter().map(|p| interleave(surface, p)).collect();
+        let posed: Vec<Vec<[Vec3; 2]>> =
+            for_frame(|| changed.par_iter().map(|p| interleave(surface, p)).collect());
         for (person, posed) in changed.iter().zip(&posed) {
             let gpu = self
                 .people

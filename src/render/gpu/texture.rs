@@ -1,3 +1,4 @@
+use super::workers::for_frame;
 use crate::assets::Texture;
 use crate::render::mips::Level;
 
@@ -7,7 +8,7 @@ pub fn upload(device: &wgpu::Device, queue: &wgpu::Queue, texture: &Texture) -> 
     let limit = device.limits().max_texture_dimension_2d;
     let mut level = Level::full(texture);
     while level.width > limit || level.height > limit {
-        level = level.halved();
+        level = for_frame(|| level.halved());
     }
     let levels = 32 - level.width.max(level.height).leading_zeros();
     let target = device.create_texture(&wgpu::TextureDescriptor {
@@ -22,7 +23,7 @@ pub fn upload(device: &wgpu::Device, queue: &wgpu::Queue, texture: &Texture) -> 
     });
     for mip in 0..levels {
         write(queue, &target, mip, &level);
-        level = level.halved();
+        level = for_frame(|| level.halved());
     }
     target.create_view(&wgpu::TextureViewDescriptor::default())
 }

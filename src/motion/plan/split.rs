@@ -1,0 +1,115 @@
+//! Where on a way sub-goals go: at most so many seconds of walking apart, on its straighter parts.
+
+use super::{PlanConfig, Way};
+use crate::motion::leg::{PathPoint, Walking};
+
+/// How fast people speed up and slow down, metres per second squared.
+const RAMP: f32 = 1.0;
+/// The first and last bit of a way is walked at least this fast, metres per second.
+const FIRST_M_PER_S: f32 = 0.35;
+/// A sub-goal may move this part of its leg's time to where the way bends less.
+const LEEWAY: f32 = 0.15;
+
+/// A sub-goal on a way: which of its points, and how it is walked through.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct OnWay {
+    pub index: usize,
+    pub walking: Walking,
+}
+
+/// Walking time at each point since the way's beginning, seconds.
+fn times(points: &[PathPoint], ramps: [bool; 2]) -> Vec<f32> {
+    let step = |i: usize| points[i].at.distance(points[i + 1].at);
+    let mut speed: Vec<f32> = points.iter().map(|p| p.speed_m_per_s).collect();
+    let last = points.len() - 1;
+    if ramps[0] {
+        speed[0] = speed[0].min(FIRST_M_PER_S);
+    }
+    if ramps[1] {
+        speed[last] = speed[last].min(FIRST_M_PER_S);
+    }
+    for i in 0..last {
+        speed[i + 1] = speed[i + 1].min((speed[i] * speed[i] + 2.0 * RAMP * step(i)).sqrt());
+    }
+    for i in (0..last).rev() {
+        speed[i] = speed[i].min((speed[i + 1] * speed[i + 1] + 2.0 * RAMP * step(i)).sqrt());
+    }
+    let mut time = vec![0.0; points.len()];
+    for i in 0..last {
+        time[i + 1] = time[i] + 2.0 * step(i) / (speed[i] + speed[i + 1]).max(1e-3);
+    }
+    time
+}
+
+/// Sub-goals between the ends of a way; `still` says which end somebody stands at.
+pub(super) fn between(way: &Way, still: [bool; 2], config: &PlanConfig) -> Vec<OnWay> {
+    let points = &way.points;
+    if points.len() < 2 {
+        return Vec::new();
+    }
+    let time = times(points, still);
+    let total = time[points.len() - 1];
+    // Moved towards each other's far sides, two sub-goals are still no farther apart than allowed.
+    let legs = (total * (1.0 + 2.0 * LEEWAY) / config.apart_s).ceil().max(1.0);
+    if total <= config.apart_s {
+        return Vec::new();
+    }
+    let each = total / legs;
+    let place = |k: usize| {
+        let at = |t: f32| time.partition_point(|time| *time < t).min(points.len() - 1);
+        let (low, middle, high) = ((k as f32 - LEEWAY) * each, k as f32 * each, (k as f32 + LEEWAY) * each);
+        let bend = |i: usize| {
+            let (a, b) = (&points[i.saturating_sub(4)], &points[(i + 4).min(points.len() - 1)]);
+            let turn = (b.heading - a.heading + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU);
+            (turn - std::f32::consts::PI).abs()
+        };
+        // A degree of bend weighs as much as a hundredth of a second.
+        let cost = |i: usize| bend(i).to_degrees() * 0.01 + (time[i] - middle).abs();
+        let index = (at(low)..=at(high)).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(at(middle));
+        let point = &points[index];
+        let walking = Walking { at: point.at, heading: point.heading, speed_m_per_s: point.speed_m_per_s };
+        OnWay { index, walking }
+    };
+    (1..legs as usize).map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    fn straight(length_m: f32) -> Way {
+        let count = (length_m / 0.05) as usize;
+        let point = |i: usize| PathPoint {
+            at: Vec3::Z * (i as f32 * 0.05),
+            heading: 0.0,
+            clearance_m: 1.0,
+            speed_m_per_s: 1.2,
+        };
+        Way { points: (0..=count).map(point).collect(), squeeze: None }
+    }
+
+    #[test]
+    fn sub_goals_are_never_more_than_two_seconds_of_walking_apart() {
+        let config = PlanConfig::default();
+        for length_m in [0.5, 1.5, 2.5, 4.0, 7.3, 15.0] {
+            let way = straight(length_m);
+            let time = times(&way.points, [true, true]);
+            let mut marks = vec![0.0];
+            marks.extend(between(&way, [true, true], &config).iter().map(|g| time[g.index]));
+            marks.push(time[time.len() - 1]);
+            let longest = marks.windows(2).map(|m| m[1] - m[0]).fold(0.0, f32::max);
+            assert!(longest <= config.apart_s + 1e-3, "{length_m} m: {longest} s between sub-goals");
+            assert!(marks.windows(2).all(|m| m[1] > m[0]));
+        }
+    }
+
+    #[test]
+    fn six_metres_take_about_as_long_as_a_person_needs() {
+        let way = straight(6.0);
+        let time = times(&way.points, [true, true]);
+        let total = time[time.len() - 1];
+        assert!((5.3..6.6).contains(&total), "{total} s for 6 m with a start and a stop");
+    }
+}
