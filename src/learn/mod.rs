@@ -5,6 +5,7 @@ pub mod actions;
 pub mod corpus;
 pub mod estimation;
 pub mod evaluate_psi;
+pub mod gait;
 pub mod motion;
 pub mod psi;
 pub mod stage;
