@@ -13,6 +13,7 @@ mod figures;
 mod generate;
 mod import;
 mod inspect;
+mod learn;
 mod load;
 mod move_room;
 mod network;
@@ -124,7 +125,10 @@ pub enum Command {
     Move(move_room::MoveArguments),
     /// Let actions happen in a room: people come, things are brought, moved and left about.
     Evolve(evolve::EvolveArguments),
-    /// Learn from data.
+    /// Learn statistics of people: actions from annotated photos, poses from clips.
+    #[command(subcommand)]
+    Learn(learn::Learn),
+    /// Train networks on data.
     #[command(subcommand)]
     Train(train::Train),
     /// Say how good something is: tables and pictures.
@@ -190,6 +194,7 @@ pub fn run(command: Command) -> ExitCode {
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Move(arguments) => move_room::run(&arguments),
         Command::Evolve(arguments) => evolve::run(&arguments),
+        Command::Learn(subject) => learn::run(&subject),
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
         Command::Stage(arguments) => stage::run(&arguments),
