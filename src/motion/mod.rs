@@ -3,6 +3,7 @@
 
 pub mod bundled;
 pub mod capture;
+pub mod gait;
 pub mod learned;
 pub mod leg;
 pub mod local;
