@@ -135,7 +135,7 @@ impl LearnedMotion {
             seed,
         );
         let [start, end] = scene.rows;
-        let route = self.route.between(&[&scene.clouds[0]], &[start], &[end], &[]);
+        let route = self.route_of(&scene);
         let poses = self.pose.between(&[&scene.clouds[1]], &[start], &[end], &route);
         let width = ROW - PLACE;
         let row = |k: usize| -> [f32; ROW] {
@@ -146,6 +146,23 @@ impl LearnedMotion {
         };
         let rows: Vec<[f32; ROW]> = (0..BETWEEN).map(row).collect();
         scene.frames(body, ends, &rows)
+    }
+
+    /// Points of a cloud that RouteNet takes.
+    pub(super) fn route_points(&self) -> usize {
+        self.route.config().points.count
+    }
+
+    fn route_of(&self, scene: &LegScene) -> Vec<Vec<f32>> {
+        let [start, end] = scene.rows;
+        self.route.between(&[&scene.clouds[0]], &[start], &[end], &[])
+    }
+
+    /// RouteNet's places and rotations in rows, poses and hands zero.
+    pub(super) fn route_rows(&self, scene: &LegScene) -> Vec<[f32; ROW]> {
+        let route = self.route_of(scene);
+        let row = |place: &[f32]| std::array::from_fn(|c| place.get(c).copied().unwrap_or(0.0));
+        route.iter().flat_map(|r| r.chunks_exact(PLACE)).map(row).collect()
     }
 }
 

@@ -7,6 +7,7 @@ pub mod gait;
 pub mod learned;
 pub mod leg;
 pub mod local;
+pub mod networks;
 pub mod plan;
 pub mod planted;
 pub mod retrieval;

@@ -65,6 +65,10 @@ impl SubGoalBodies {
         Self::from_weights(&files[files.len() - 1])
     }
 
+    pub(super) fn sampler(&self) -> &MotionSampler {
+        &self.net
+    }
+
     /// `count` bodies for one request in a room; another `seed`, other bodies.
     pub fn sample(
         &self,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use glam::Vec2;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::assets::{Weights, WeightsError};
@@ -9,13 +10,19 @@ use crate::body::Body;
 use crate::body::joints::PELVIS;
 use crate::job::{Cancelled, Seed, Ticker};
 use crate::learn::motion::data::{MotionData, WindowRows};
+use crate::learn::motion::staging::{Rest, rests_of};
 use crate::learn::motion::takes::{Take, WINDOW};
 use crate::learn::motion::train::{RouteOf, fill_windows};
-use crate::motion::learned::{LegEnds, LegScene};
+use crate::motion::gait;
+use crate::motion::learned::{LegEnds, LegScene, stretched};
+use crate::motion::leg::{EndState, LegInput, PathPoint, Still, Walking};
 use crate::motion::local::{LegFrame, code_of};
 use crate::motion::retrieval::MotionMemory;
 use crate::nn::motion::{BETWEEN, Between, CONDITION, MotionKind, MotionSampler, PLACE, ROW};
-use crate::scene::{BETAS, CLIP_FPS, Frame};
+use crate::scene::{BETAS, CLIP_FPS, Frame, GoalPose, facing_of};
+
+/// Whoever moves faster at a sub-goal walks through it, metres a second.
+const WALKS_M_PER_S: f32 = 0.45;
 
 /// The trained networks that there are, by kind and by whether they see the room.
 #[derive(Default)]
@@ -65,6 +72,9 @@ pub enum Maker {
     Learned,
     /// The same with its ends met: what the program uses.
     LearnedMet,
+    /// The program's own walking by rule and statistics, along the captured way; it meets sub-goals that are walked
+    /// through in bodies of its own.
+    Gait,
 }
 
 impl Maker {
@@ -96,13 +106,14 @@ impl Maker {
             Self::Retrieval => ("retrieval (HSNMS-like)", false),
             Self::Learned => ("RouteNet and PoseNet (LTM)", true),
             Self::LearnedMet => ("the same, ends met", true),
+            Self::Gait => ("gait (the default)", true),
         }
     }
 
     /// Whether it is there with these networks.
     pub fn is_there(self, nets: &MotionNets) -> bool {
         match self {
-            Self::Truth | Self::Line | Self::Retrieval => true,
+            Self::Truth | Self::Line | Self::Retrieval | Self::Gait => true,
             Self::RouteWhere(scene) => {
                 nets.between(Between::RouteWhere, scene).is_some()
                     && nets.between(Between::PoseTurning, scene).is_some()
@@ -148,6 +159,7 @@ impl Bench<'_> {
         let ends = LegEnds { betas: &betas, from: start, to: end, floor_m: 0.0, seconds: Some(seconds) };
         match maker {
             Maker::Truth => return Ok(Some(truth.to_vec())),
+            Maker::Gait => return Ok(Some(self.walked(truth, seed, ticker)?)),
             Maker::Retrieval => {
                 // At both ends the speed is known, as it is at a sub-goal that is walked through.
                 let speed =
@@ -173,6 +185,49 @@ impl Bench<'_> {
             }
             _ => self.as_given(&window.leg, &rows, [start, end]),
         }))
+    }
+
+    /// A leg of the program's own walking along the captured way.
+    fn walked(&self, truth: &[Frame], seed: Seed, ticker: &Ticker) -> Result<Vec<Frame>, Cancelled> {
+        let rest = self.body.model.joint_template[PELVIS];
+        let floor = |f: &Frame| (f.translation + rest).with_y(0.0);
+        let last = truth.len() - 1;
+        let state = |at: usize, beside: usize| {
+            let ahead = (floor(&truth[at.max(beside)]) - floor(&truth[at.min(beside)])) * CLIP_FPS;
+            let upright = rests_of(self.body, &truth[at..=at])[0] == Rest::None;
+            match upright && ahead.length() > WALKS_M_PER_S {
+                true => EndState::Walking(Walking {
+                    at: floor(&truth[at]),
+                    heading: facing_of(Vec2::new(ahead.x, ahead.z)),
+                    speed_m_per_s: ahead.length(),
+                }),
+                false => EndState::Still(Still {
+                    frame: truth[at].clone(),
+                    pose: if upright { GoalPose::Stand } else { GoalPose::Sit },
+                }),
+            }
+        };
+        let point = |k: usize| {
+            let (a, b) = (floor(&truth[k.saturating_sub(3)]), floor(&truth[(k + 3).min(last)]));
+            let seconds = ((k + 3).min(last) - k.saturating_sub(3)) as f32 / CLIP_FPS;
+            PathPoint {
+                at: floor(&truth[k]),
+                heading: facing_of(Vec2::new(b.x - a.x, b.z - a.z)),
+                clearance_m: 1.0,
+                speed_m_per_s: a.distance(b) / seconds,
+            }
+        };
+        let moved = floor(&truth[0]).distance(floor(&truth[last])) > 0.3;
+        let input = LegInput {
+            from: state(0, 1),
+            to: state(last, last - 1),
+            path: if moved { (0..=last).map(point).collect() } else { vec![point(0)] },
+            betas: [0.0; BETAS],
+            seconds: Some(last as f32 / CLIP_FPS),
+            seed,
+        };
+        let made = gait::synthesise_leg(self.body, &input, ticker)?;
+        Ok(stretched(&made.frames, WINDOW))
     }
 
     /// Rows between the two ends as they come out.
@@ -217,7 +272,7 @@ impl Bench<'_> {
                 put(Between::Route, true, None, &mut rows)?;
                 self.pose_by_sub_goals(take, &window.leg, &mut rows, seed)?;
             }
-            Maker::Line | Maker::Truth | Maker::Retrieval => {}
+            Maker::Line | Maker::Truth | Maker::Retrieval | Maker::Gait => {}
         }
         Some(rows)
     }

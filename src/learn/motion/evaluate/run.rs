@@ -43,6 +43,8 @@ impl Default for MotionStudyConfig {
 const FIELD_CELL_M: f32 = 0.03;
 /// Makers that are optimised too.
 const OPTIMISED: [Maker; 3] = [Maker::RouteCvae, Maker::Retrieval, Maker::LearnedMet];
+/// Makers of the long motions.
+const LONG: [Maker; 5] = [Maker::Truth, Maker::RouteCvae, Maker::Retrieval, Maker::LearnedMet, Maker::Gait];
 /// Legs of the long motions: two, four and six seconds.
 const LEGS: [usize; 3] = [1, 2, 3];
 
@@ -102,7 +104,7 @@ pub fn run_motion_study(
     for legs in LEGS {
         let cases = long_cases(data, legs, config.long);
         study.bake(&cases)?;
-        for maker in [Maker::Truth, Maker::RouteCvae, Maker::Retrieval, Maker::LearnedMet] {
+        for maker in LONG {
             let optimised = if maker == Maker::Truth { Optimised::No } else { Optimised::Ours };
             keep(study.row(MotionRowKind::Long, maker, optimised, &cases)?)?;
         }
