@@ -104,8 +104,6 @@ impl MotionTraining {
             learning_rate: 1.5e-3,
             schedule: RateSchedule::Cosine,
             end_noise: 0.15,
-            // Codes of staged bodies carry more than those of captured ones: less divergence is bought.
-            weights: MotionWeights { kl: 0.02, ..paper.weights },
             ..paper
         }
     }
