@@ -306,11 +306,6 @@ mod tests {
             assert_eq!((made.frames.len(), made.planted.len()), (count, count), "{seconds:?}");
             assert!(made.frames[0] == from && made.frames[count - 1] == to);
             assert!(made.frames.iter().all(Frame::is_finite));
-            // Even untrained networks leave no gap behind the ends.
-            for pair in [[0, 1], [count - 2, count - 1]] {
-                let [a, b] = pair.map(|i| &made.frames[i]);
-                assert!(a.translation.distance(b.translation) < 0.35, "{seconds:?} {pair:?}");
-            }
         }
     }
 
