@@ -1416,3 +1416,20 @@ fn an_action_that_is_not_possible_says_why_and_changes_nothing() {
     assert!(user.errors()[0].contains("it is too short"), "{:?}", user.errors());
     assert!(user.history().is_empty());
 }
+
+#[test]
+fn a_replay_shows_the_way_here_and_changes_nothing() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("read on sofa (60");
+    user.does("eat on sofa (30");
+    let history = user.history();
+    user.state().toggle_replay();
+    let shown =
+        |user: &mut User| user.state().replayed().map(|(number, room, _)| (number, room.objects.len()));
+    assert_eq!(shown(&mut user), Some((0, 2)), "the room as it was");
+    assert!(user.state().advance_replay(1.5));
+    assert_eq!(shown(&mut user), Some((1, 3)));
+    assert!(!user.state().advance_replay(10.0), "it ends by itself");
+    assert_eq!((user.history(), user.objects().len()), (history, 4));
+}

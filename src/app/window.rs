@@ -289,6 +289,9 @@ impl Window {
             self.state.motion.player.advance(passed.as_secs_f32(), length_s);
             ctx.request_repaint();
         }
+        if self.state.advance_replay(passed.as_secs_f32()) {
+            ctx.request_repaint_after(NEWS_EVERY);
+        }
     }
 
     /// A study shows the view and the scale, and nothing that could give away what is shown.

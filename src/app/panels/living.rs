@@ -24,6 +24,7 @@ pub fn living(ui: &mut Ui, state: &mut EditorState) {
         }
         if !state.living.tree.is_empty() {
             title(ui, "What was done");
+            replay(ui, state);
             tree(ui, state, now);
         }
         if let Some(now) = now {
@@ -187,6 +188,15 @@ fn off(ui: &mut Ui, state: &EditorState, now: usize) {
             ui.label(RichText::new(format!("{}: {}", action.action, action.why)).small().weak());
         }
     });
+}
+
+fn replay(ui: &mut Ui, state: &mut EditorState) {
+    let running = state.living.replay.is_some();
+    let can = state.life_now().is_some_and(|now| state.living.tree[now].parent.is_some());
+    let button = Button::new(if running { "Stop replay" } else { "Replay" }).selected(running);
+    if ui.add_enabled(can, button).on_hover_text("Shows how the room came to be as it is").clicked() {
+        state.toggle_replay();
+    }
 }
 
 /// Every state that was reached, branches indented; a click goes there.
