@@ -286,4 +286,39 @@ mod tests {
             assert!(lowest > -0.25 && pelvis.y > height_m, "{pose:?}: {lowest}, pelvis {pelvis}");
         }
     }
+
+    fn short_walk(id: u32) -> Arc<Clip> {
+        let frame =
+            |i: usize| Frame { translation: Vec3::new(0.05 * i as f32, 0.9, 0.0), ..Frame::default() };
+        let frames: Vec<Frame> = (0..7).map(frame).collect();
+        let (id, name) = (crate::scene::ClipId(id), format!("Walk {id}"));
+        Arc::new(Clip { id, name, planted: vec![[true, false]; 7], frames, ..Clip::default() })
+    }
+
+    #[test]
+    fn every_format_writes_what_its_readers_open() {
+        let folder = tempfile::tempdir().unwrap();
+        let surface = Arc::new(BodySurface::of(Body::bundled()));
+        let clips = vec![short_walk(0), short_walk(1)];
+        let write = |format: MotionFormat, name: &str| {
+            let (scene, camera) = (crate::scene::Scene::default(), crate::scene::Camera::default());
+            let task = MotionExport { format, scene, clips: clips.clone(), camera, size: [48, 36] };
+            let files = export(&folder.path().join(name), &task, &surface, &Ticker::silent());
+            files.unwrap_or_else(|stop| panic!("{format:?}: {stop:?}"))
+        };
+        let path = |name: &str| folder.path().join(name);
+        assert_eq!(write(MotionFormat::Glb, "walk.glb"), 1);
+        let budget = crate::assets::Budget::default();
+        assert!(crate::assets::read_model(&path("walk.glb"), &budget).is_ok());
+        assert_eq!(write(MotionFormat::Bvh, "walk.bvh"), 2);
+        assert!(path("walk.bvh").is_file() && path("walk-2.bvh").is_file());
+        assert_eq!(write(MotionFormat::Amass, "walk.npz"), 2);
+        let npz = crate::assets::npz::Npz::open(&path("walk-2.npz")).unwrap();
+        assert_eq!(npz.floats("poses", &[None, None]).unwrap().0, [7, 156]);
+        assert_eq!(write(MotionFormat::Gif, "walk.gif"), 1);
+        assert!(path("walk.gif").is_file());
+        assert_eq!(write(MotionFormat::Pictures, "frames"), 7);
+        let (_, size_px) = crate::assets::read_photo(&path("frames/0007.png"), &budget).unwrap();
+        assert_eq!(size_px, [48, 36]);
+    }
 }
