@@ -276,6 +276,9 @@ impl Window {
     /// Asks before the window closes with unsaved people in it.
     fn guard_close(&mut self, ctx: &Context) {
         let closing = ctx.input(|i| i.viewport().close_requested());
+        if closing {
+            self.state.leave_study();
+        }
         if closing && self.state.has_unsaved_work() && !self.leaving && self.script.is_none() {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.state.overlay = Overlay::Unsaved(super::state::Leaving::Quit);
