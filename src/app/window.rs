@@ -431,7 +431,7 @@ fn layout() -> Tree<Pane> {
         |children: [TileId; 2], shares: [f32; 2]| linear(&mut tiles, LinearDir::Vertical, &children, &shares);
     let left = column([objects, people], [0.6, 0.4]);
     let middle = column([view, below], [0.74, 0.26]);
-    let right = column([populate, inspector], [0.46, 0.54]);
+    let right = column([populate, inspector], [0.6, 0.4]);
     let root = linear(&mut tiles, LinearDir::Horizontal, &[left, middle, right], &[0.17, 0.61, 0.22]);
     Tree::new(egui::Id::unique("dock"), root, tiles)
 }
