@@ -13,7 +13,9 @@ mod figures;
 mod generate;
 mod import;
 mod inspect;
+mod learn;
 mod load;
+mod move_room;
 mod network;
 mod output;
 mod pictures;
@@ -119,9 +121,14 @@ pub enum Command {
     Inspect(inspect::InspectArguments),
     /// Put people into a room and write them, a report and pictures.
     Generate(generate::GenerateArguments),
+    /// Let somebody walk, sit down, lie and get up in a room, and write the motion.
+    Move(move_room::MoveArguments),
     /// Let actions happen in a room: people come, things are brought, moved and left about.
     Evolve(evolve::EvolveArguments),
-    /// Learn from data.
+    /// Learn statistics of people: actions from annotated photos, poses from clips.
+    #[command(subcommand)]
+    Learn(learn::Learn),
+    /// Train networks on data.
     #[command(subcommand)]
     Train(train::Train),
     /// Say how good something is: tables and pictures.
@@ -185,7 +192,9 @@ pub fn run(command: Command) -> ExitCode {
     let result = match command {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
+        Command::Move(arguments) => move_room::run(&arguments),
         Command::Evolve(arguments) => evolve::run(&arguments),
+        Command::Learn(subject) => learn::run(&subject),
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
         Command::Stage(arguments) => stage::run(&arguments),

@@ -1,9 +1,11 @@
 //! Offline learning: clips and annotations in, statistics and weights out. May not be called from the
 //! document, the renderer or the editor's frame; the command line and jobs run it.
 
+pub mod actions;
 pub mod corpus;
 pub mod estimation;
 pub mod evaluate_psi;
+pub mod gait;
 pub mod motion;
 pub mod psi;
 pub mod stage;

@@ -2,6 +2,7 @@
 //! come in from `evolve`, which also fits what comes out.
 
 pub mod capture;
+pub mod gait;
 pub mod learned;
 pub mod leg;
 pub mod local;

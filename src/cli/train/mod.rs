@@ -1,6 +1,7 @@
 //! `inhabit train`: statistics and networks learned from data, one file a subject.
 
 pub mod curve;
+mod gait;
 mod hand_space;
 mod motion;
 mod pose_prior;
@@ -23,6 +24,8 @@ pub enum Train {
     PosePrior(pose_prior::Arguments),
     /// The Gaussian over hand poses, from motion clips and the program's own hands.
     HandSpace(hand_space::Arguments),
+    /// How people walk, from captured walks.
+    Gait(gait::Arguments),
     /// The networks that put people into what a camera sees: S1, S2 and the baseline.
     Psi(psi::Arguments),
     /// PointNet, by labelling the points of staged rooms: where the networks of motion begin.
@@ -45,6 +48,7 @@ pub fn run(subject: &Train) -> anyhow::Result<Ended> {
     match subject {
         Train::PosePrior(arguments) => pose_prior::run(arguments),
         Train::HandSpace(arguments) => hand_space::run(arguments),
+        Train::Gait(arguments) => gait::run(arguments),
         Train::Psi(arguments) => psi::run(arguments),
         Train::Points(arguments) => motion::run(MotionKind::Points, arguments),
         Train::Subgoal(arguments) => motion::run(MotionKind::SubGoal, arguments),
