@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::engine::{MotionExport, MotionFormat, MotionMethod, MovePreview, MoveTask, Moved};
+use super::motion::renumbered;
 use super::real::asks;
 use crate::assets::GifWriter;
 use crate::assets::encode_png;
@@ -18,6 +19,7 @@ use crate::body::amass_motion;
 use crate::body::rig_motion;
 use crate::body::sample_pose;
 use crate::document::write_folder;
+use crate::evolve::journey::{self, JourneyPreview, JourneyRequest, journey};
 use crate::inspect::MotionReport;
 use crate::inspect::inspect_motion;
 use crate::job::{JobCtx, Seed, Stop, Ticker};
@@ -35,6 +37,7 @@ use crate::scene::BETAS;
 use crate::scene::Clip;
 use crate::scene::Frame;
 use crate::scene::GoalPose;
+use crate::scene::Person;
 use crate::scene::PoseFamily;
 use crate::scene::Room;
 use crate::scene::RoomGeometry;
@@ -57,8 +60,45 @@ const WAYS_TO_A_SEAT: usize = 8;
 /// # Errors
 /// Why it can't be made; or cancelled.
 pub fn synthesise(task: &MoveTask, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop> {
-    let _ = (task, cx);
-    Err(Stop::Failed("no motion can be made yet".to_owned()))
+    let inner = cx.mapped(|preview: JourneyPreview| MovePreview { clip: preview.clip });
+    let made = journey(&task.room, &task.geometry, Body::bundled(), &request(task), &inner)?;
+    let remarks = made.complaints(&task.room);
+    Ok(Moved { clip: made.clip, report: Some(made.motion), remarks })
+}
+
+/// What is asked of the journey. Bodies are drawn by the numbers of their sub-goals, so one that is to be another
+/// gets another number.
+fn request(task: &MoveTask) -> JourneyRequest {
+    let clip = &task.clip;
+    let still = task.people.iter().map(|person| Arc::new(standing_still(person)));
+    JourneyRequest {
+        id: clip.id,
+        name: clip.name.clone(),
+        palette: clip.palette,
+        betas: clip.betas,
+        goals: renumbered(clip, &task.anew),
+        method: match task.method {
+            MotionMethod::Gait => journey::MotionMethod::Gait,
+            MotionMethod::Learned => journey::MotionMethod::Learned,
+            MotionMethod::Retrieval => journey::MotionMethod::Retrieval,
+            MotionMethod::RouteCvae => journey::MotionMethod::RouteCvae,
+        },
+        kept: (!clip.frames.is_empty()).then(|| Arc::new(clip.clone())),
+        others: task.others.iter().cloned().chain(still).collect(),
+        ..JourneyRequest::default()
+    }
+}
+
+/// Somebody who is in the way all the time: a motion of one frame.
+fn standing_still(person: &Person) -> Clip {
+    let pose = Body::bundled().pose_space.decode(&person.body.pose);
+    Clip {
+        name: person.name.clone(),
+        betas: person.body.betas,
+        frames: vec![Frame::of(&person.body, &pose)],
+        planted: vec![[true, true]],
+        ..Clip::default()
+    }
 }
 
 /// Which methods can't be used, and why.
