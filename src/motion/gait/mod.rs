@@ -143,7 +143,8 @@ impl Maker<'_> {
             EndState::Still(still) => self.risen(&self.rest(still, self.way.length())),
         };
         let seconds = if rise.is_none() && descend.is_none() { self.input.seconds } else { None };
-        let walk = walk::walk(&self.person, [&start, &goal], &self.way, seconds, &self.style);
+        let style = Style { goes_on: descend.is_some(), ..self.style };
+        let walk = walk::walk(&self.person, [&start, &goal], &self.way, seconds, &style);
         let mut motion = rise.map(backwards).unwrap_or_default();
         append(&mut motion, walk);
         if let Some(down) = descend {
