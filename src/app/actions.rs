@@ -77,7 +77,7 @@ pub fn show_import(state: &mut EditorState) {
 
 /// Closes the window, after asking when there are unsaved changes.
 pub fn quit(state: &mut EditorState) {
-    if state.document.is_dirty() && !state.document.scene().people.is_empty() {
+    if state.has_unsaved_work() {
         state.overlay = Overlay::Unsaved(Leaving::Quit);
     } else {
         state.requests.close = true;
@@ -87,7 +87,7 @@ pub fn quit(state: &mut EditorState) {
 /// Takes the last change back.
 pub fn undo(state: &mut EditorState) {
     if let Some(label) = state.document.undo() {
-        state.selection.prune(state.document.scene());
+        state.prune();
         state.notices.info(format!("Undone: {label}"));
     }
 }
@@ -95,7 +95,7 @@ pub fn undo(state: &mut EditorState) {
 /// Does it again.
 pub fn redo(state: &mut EditorState) {
     if let Some(label) = state.document.redo() {
-        state.selection.prune(state.document.scene());
+        state.prune();
         state.notices.info(format!("Done again: {label}"));
     }
 }
@@ -165,21 +165,35 @@ pub fn delete(state: &mut EditorState) {
             })
         })
         .collect();
-    state.document.begin(removal_label(people.len(), objects.len()));
+    let (goals, clips) = (state.selection.goals(), state.selection.clips());
+    let open = |id: &crate::scene::ClipId| scene.clip(*id).is_some_and(|clip| !clip.locked);
+    let (clips, held): (Vec<_>, Vec<_>) = clips.into_iter().partition(open);
+    locked += held.len();
+    let others = goals.len() + clips.len();
+    state.document.begin(removal_label(people.len(), objects.len(), others));
     if !people.is_empty() {
         state.apply(Command::RemovePeople(people));
     }
     if !objects.is_empty() {
         state.apply(Command::RemoveObjects(objects));
     }
+    locked += state.remove_goals(&goals);
+    if !clips.is_empty() {
+        state.apply(Command::RemoveClips(clips));
+    }
     state.document.commit();
+    if let Some((clip, _)) = goals.first() {
+        state.follow_change(*clip);
+    }
     if locked > 0 {
         state.notices.warning(format!("{locked} locked and left in place. L unlocks."));
     }
 }
 
-fn removal_label(people: usize, objects: usize) -> String {
+fn removal_label(people: usize, objects: usize, others: usize) -> String {
     match (people, objects) {
+        (0, 0) if others > 0 => "Remove from motion".to_owned(),
+        _ if others > 0 => format!("Remove {} things", people + objects + others),
         (_, 0) => Command::RemovePeople(vec![PersonId(0); people]).label(),
         (0, n) => format!("Remove {n} object{}", if n == 1 { "" } else { "s" }),
         _ => format!("Remove {} things", people + objects),
@@ -193,6 +207,7 @@ pub fn rename(state: &mut EditorState) {
     let name = match item {
         Item::Person(id) => scene.person(id).map(|p| p.name.clone()),
         Item::Object(id) => scene.room.object(id).map(|o| o.name.clone()),
+        Item::Clip(id) | Item::Goal(id, _) => scene.clip(id).map(|c| c.name.clone()),
     };
     state.overlay = Overlay::Rename(item, name.unwrap_or_default());
 }
@@ -202,6 +217,7 @@ pub fn give_name(state: &mut EditorState, item: Item, name: String) {
     state.apply(match item {
         Item::Person(id) => Command::RenamePerson(id, name),
         Item::Object(id) => Command::RenameObject(id, name),
+        Item::Clip(id) | Item::Goal(id, _) => Command::RenameClip(id, name),
     });
 }
 
@@ -211,14 +227,19 @@ fn to_selection(
     label: &str,
     people: impl FnOnce(Vec<PersonId>) -> Command,
     objects: impl FnOnce(Vec<crate::scene::ObjectId>) -> Command,
+    clips: impl FnOnce(Vec<crate::scene::ClipId>) -> Command,
 ) {
     let (who, what) = (state.selection.people(), state.selection.objects());
+    let motions = state.selection.clips();
     state.document.begin(label);
     if !who.is_empty() {
         state.apply(people(who));
     }
     if !what.is_empty() {
         state.apply(objects(what));
+    }
+    if !motions.is_empty() {
+        state.apply(clips(motions));
     }
     state.document.commit();
 }
@@ -228,15 +249,20 @@ pub fn lock(state: &mut EditorState) {
     let scene = state.document.scene();
     let people = state.selection.people();
     let objects = state.selection.objects();
+    let (clips, goals) = (state.selection.clips(), state.selection.goals());
     let all = people.iter().all(|id| scene.person(*id).is_some_and(|p| p.locked))
-        && objects.iter().all(|id| scene.room.object(*id).is_some_and(|o| o.locked));
+        && objects.iter().all(|id| scene.room.object(*id).is_some_and(|o| o.locked))
+        && clips.iter().all(|id| scene.clip(*id).is_some_and(|c| c.locked))
+        && goals.iter().all(|(clip, goal)| state.goal(*clip, *goal).is_some_and(|g| g.locked));
     let (label, locked) = if all { ("Unlock", false) } else { ("Lock", true) };
     to_selection(
         state,
         label,
         |ids| Command::SetPeopleLocked(ids, locked),
         |ids| Command::SetObjectsLocked(ids, locked),
+        |ids| Command::SetClipsLocked(ids, locked),
     );
+    state.edit_goals(&goals, |goal| goal.locked = locked);
 }
 
 /// Hides the selection.
@@ -246,6 +272,7 @@ pub fn hide(state: &mut EditorState) {
         "Hide",
         |ids| Command::SetPeopleVisible(ids, false),
         |ids| Command::SetObjectsVisible(ids, false),
+        |ids| Command::SetClipsVisible(ids, false),
     );
 }
 
@@ -255,9 +282,11 @@ pub fn show_all(state: &mut EditorState) {
     let scene = state.document.scene();
     let people = scene.people.iter().map(|p| p.id).collect();
     let objects = scene.room.objects.iter().map(|o| o.id).collect();
+    let clips = scene.clips.iter().map(|c| c.id).collect();
     state.document.begin("Show all");
     state.apply(Command::SetPeopleVisible(people, true));
     state.apply(Command::SetObjectsVisible(objects, true));
+    state.apply(Command::SetClipsVisible(clips, true));
     state.document.commit();
 }
 
@@ -267,7 +296,9 @@ pub fn isolate(state: &mut EditorState) {
     state.view.isolated = match state.view.isolated {
         None if !selection.is_empty() => {
             let people = selection.people().into_iter().map(Item::Person);
-            Some(people.chain(selection.objects().into_iter().map(Item::Object)).collect())
+            let clips = selection.clips().into_iter().map(Item::Clip);
+            let objects = selection.objects().into_iter().map(Item::Object);
+            Some(people.chain(objects).chain(clips).collect())
         }
         _ => None,
     };
@@ -316,9 +347,7 @@ fn step_person(state: &mut EditorState, step: isize) {
 
 /// Brings the selection into view.
 pub fn frame_selection(state: &mut EditorState) {
-    let people = state.selection.people().into_iter().map(Item::Person);
-    let objects = state.selection.objects().into_iter().map(Item::Object);
-    let bounds = people.chain(objects).fold(Aabb::EMPTY, |all, item| all.union(state.bounds_of(item)));
+    let bounds = state.selection.iter().fold(Aabb::EMPTY, |all, item| all.union(state.bounds_of(item)));
     state.orbit.frame(&bounds, state.aspect);
 }
 
@@ -391,6 +420,13 @@ pub fn put_here(state: &mut EditorState) {
 
 /// Makes the selected people, or the ones made last, anew with another seed.
 pub fn re_roll(state: &mut EditorState) {
+    let goals = state.selection.goals();
+    if let Some((clip, _)) = goals.first().copied() {
+        state.activate_clip(clip);
+        let anew = goals.iter().filter(|(of, _)| *of == clip).map(|(_, goal)| *goal);
+        state.synthesise_anew(anew.collect());
+        return;
+    }
     let selected = state.selection.people();
     let ids = if selected.is_empty() { state.last_made.clone() } else { selected };
     let scene = state.document.scene();
@@ -428,7 +464,7 @@ pub fn previous_finding(state: &mut EditorState) {
 }
 
 fn step_finding(state: &mut EditorState, step: isize) {
-    let count = state.findings().len() as isize;
+    let count = (state.findings().len() + state.worst_clip_findings().len()) as isize;
     if count == 0 {
         return;
     }
@@ -438,9 +474,13 @@ fn step_finding(state: &mut EditorState, step: isize) {
     go_to_finding(state, next as usize);
 }
 
-/// Selects and frames the person of a finding.
+/// Selects and frames the person of a finding; behind those of people come those of motions.
 pub fn go_to_finding(state: &mut EditorState, number: usize) {
-    if let Some(finding) = state.findings().get(number) {
+    let people = state.findings();
+    if number >= people.len() {
+        go_to_clip_finding(state, number - people.len());
+        state.finding = Some(number);
+    } else if let Some(finding) = people.get(number) {
         let item = Item::Person(PersonId(finding.site.body));
         state.finding = Some(number);
         state.selection.only(item);
@@ -480,6 +520,8 @@ pub fn show_notifications(state: &mut EditorState) {
 pub fn escape(state: &mut EditorState) {
     if state.overlay != Overlay::None {
         state.overlay = Overlay::None;
+    } else if state.motion.placing.take().is_some() {
+        // The press is forgotten; the tool stays.
     } else if state.document.in_gesture() {
         state.document.abort();
     } else if state.tool != Tool::Select {
@@ -508,7 +550,7 @@ pub fn travel(state: &mut EditorState, steps: isize) {
             state.document.redo()
         };
     }
-    state.selection.prune(state.document.scene());
+    state.prune();
 }
 
 /// Shows the room maker.
@@ -597,4 +639,115 @@ pub fn show_networks(state: &mut EditorState) {
 /// Brings the photo panel to the front.
 pub fn show_photo(state: &mut EditorState) {
     state.requests.show_photo = true;
+}
+
+/// The next clicks place sub-goals; again to stop.
+pub fn add_goals(state: &mut EditorState) {
+    state.tool = if state.tool == Tool::AddGoal { Tool::Select } else { Tool::AddGoal };
+    state.requests.show_motion = true;
+}
+
+/// Begins another motion.
+pub fn new_motion(state: &mut EditorState) {
+    state.new_clip();
+    state.tool = Tool::AddGoal;
+    state.requests.show_motion = true;
+}
+
+/// Makes the active motion.
+pub fn synthesise(state: &mut EditorState) {
+    state.requests.show_motion = true;
+    state.start_synthesis();
+}
+
+/// Makes the active motion with another seed.
+pub fn another_way(state: &mut EditorState) {
+    state.motion.options.seed = state.motion.options.seed.wrapping_add(1);
+    state.start_synthesis();
+}
+
+/// Plays or stops.
+pub fn play(state: &mut EditorState) {
+    let length_s = state.play_seconds();
+    state.motion.player.toggle(length_s);
+    state.requests.show_timeline = true;
+}
+
+/// Goes so many frames on or back.
+pub fn step_frames(state: &mut EditorState, frames: i32) {
+    let length_s = state.play_seconds();
+    state.motion.player.step(frames, crate::scene::CLIP_FPS, length_s);
+}
+
+/// Goes so many seconds on or back.
+pub fn step_seconds(state: &mut EditorState, seconds: f32) {
+    let (length_s, now) = (state.play_seconds(), state.motion.player.seconds);
+    state.motion.player.seek(now + seconds, length_s);
+}
+
+/// Goes to the first or the last frame.
+pub fn go_to_end(state: &mut EditorState, last: bool) {
+    let length_s = state.play_seconds();
+    state.motion.player.seek(if last { length_s } else { 0.0 }, length_s);
+}
+
+/// Goes to where the active motion reaches the next (or previous) sub-goal, and selects it.
+pub fn step_goal(state: &mut EditorState, forwards: bool) {
+    let Some(clip) = state.active_clip().filter(|clip| !clip.frames.is_empty()).cloned() else { return };
+    let Some(now) = state.frame_now(&clip) else { return };
+    let mut stops: Vec<_> =
+        clip.legs.iter().flat_map(|leg| [(leg.first, leg.from), (leg.last, leg.to)]).collect();
+    stops.sort_unstable();
+    let stop = if forwards {
+        stops.iter().find(|(frame, _)| *frame > now)
+    } else {
+        stops.iter().rev().find(|(frame, _)| *frame < now)
+    };
+    if let Some((frame, goal)) = stop.copied() {
+        go_to_frame(state, &clip, frame);
+        state.selection.only(Item::Goal(clip.id, goal));
+    }
+}
+
+/// Shows a frame of a motion.
+pub fn go_to_frame(state: &mut EditorState, clip: &crate::scene::Clip, frame: usize) {
+    let length_s = state.play_seconds();
+    state.motion.player.seek(frame as f32 / clip.fps, length_s);
+}
+
+/// Puts a sub-goal where the active motion is now.
+pub fn insert_goal(state: &mut EditorState) {
+    state.insert_goal_now();
+}
+
+/// Plays on and on, or once.
+pub fn toggle_loop(state: &mut EditorState) {
+    state.motion.player.looping = !state.motion.player.looping;
+}
+
+/// Nothing, a line, a line with figures.
+pub fn cycle_trail(state: &mut EditorState) {
+    use super::motion::Trail;
+    state.motion.trail = match state.motion.trail {
+        Trail::Off => Trail::Line,
+        Trail::Line => Trail::Figures,
+        Trail::Figures => Trail::Off,
+    };
+}
+
+/// Asks where to write the motions.
+pub fn export_motion(state: &mut EditorState) {
+    let format = state.motion.export.format;
+    state.ask_motion_export(format);
+}
+
+/// Shows the frame of a finding in a motion and selects the motion.
+pub fn go_to_clip_finding(state: &mut EditorState, number: usize) {
+    let Some((clip, finding)) = state.worst_clip_findings().get(number).cloned() else { return };
+    state.activate_clip(clip.id);
+    state.selection.only(Item::Clip(clip.id));
+    if let Some(frame) = finding.site.frame {
+        go_to_frame(state, &clip, frame as usize);
+    }
+    state.requests.show_timeline = true;
 }

@@ -1,11 +1,10 @@
-//! Keeps unsaved people in a file of the program's own, so that a crash or a power cut costs a minute at most.
+//! Keeps unsaved people and motions in a file of the program's own, so that a crash or a power cut costs a minute at most.
 //! The file goes when the project is saved or the window is closed on purpose.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::state::EditorState;
-use crate::document::Project;
 use crate::document::remove_leftover;
 use crate::job::{Job, Outcome, Seed};
 
@@ -38,12 +37,15 @@ impl Autosave {
     /// Saves when it is time. Returns when to look again, if there is something to save.
     pub fn keep(&mut self, state: &mut EditorState) -> Option<Duration> {
         self.poll(state);
-        let document = &state.document;
-        let unsaved = document.is_dirty() && !document.scene().people.is_empty();
-        if !unsaved {
+        if state.study.is_some() {
+            // The user's work waits untouched, and so does what is kept of it.
+            return None;
+        }
+        if !state.has_unsaved_work() {
             self.discard();
             return None;
         }
+        let document = &state.document;
         if self.holds == Some(document.revision()) || self.saving.is_some() || document.in_gesture() {
             return None;
         }
@@ -52,11 +54,7 @@ impl Autosave {
             return Some(left);
         }
         self.last = Instant::now();
-        let project = Project {
-            scene: document.scene().clone(),
-            next_person: document.next_person(),
-            next_object: document.next_object(),
-        };
+        let project = document.project();
         let (engine, path) = (state.engine().clone(), self.path.clone());
         let work = move |cx: &crate::job::JobCtx| engine.save(&path, &project, cx.ticker());
         let job = Job::spawn("Autosave", Seed::root(0), state.waker(), work);

@@ -8,7 +8,9 @@ use std::time::{Duration, Instant};
 use egui::{Color32, Rect, TextureId, Ui, pos2};
 use glam::Vec3;
 
+use super::actors::{self, Actor};
 use super::engine::Engine;
+use super::motion::Trail;
 use super::selection::Item;
 use super::state::{EditorState, ViewOptions};
 use super::theme;
@@ -21,8 +23,11 @@ use crate::render::RenderContext;
 use crate::render::SceneDraw;
 use crate::render::Shown;
 use crate::render::Viewport;
+use crate::scene::BETAS;
 use crate::scene::BodyParams;
 use crate::scene::Camera;
+use crate::scene::Frame;
+use crate::scene::ObjectId;
 use crate::scene::Person;
 use crate::scene::PersonId;
 use crate::scene::Room;
@@ -31,6 +36,9 @@ use crate::scene::Room;
 const GHOST_ALPHA: f32 = 0.45;
 /// How much is seen of the one candidate or earlier body that the user looks at.
 const SHOWN_ALPHA: f32 = 0.8;
+/// While things move, a software adapter draws every other pixel of every other row: it shares the processor with the
+/// job that moves them.
+const DRAFT: u32 = 2;
 /// Ghosts are drawn this often on a software adapter.
 const GHOSTS_EVERY: Duration = Duration::from_millis(500);
 /// After this long without a move the picture is drawn at full quality.
@@ -40,8 +48,15 @@ const GHOST_IDS: u32 = 1 << 31;
 
 /// Vertices of somebody, kept while the body stays the same.
 struct Posed {
-    body: BodyParams,
+    shape: Shape,
     vertices: Arc<[Vec3]>,
+}
+
+/// What vertices follow from.
+#[derive(PartialEq)]
+enum Shape {
+    Body(BodyParams),
+    Frame([f32; BETAS], Frame),
 }
 
 /// The room with some objects left out, kept while nothing changes.
@@ -81,7 +96,12 @@ struct Drawn {
     heat_ready: u64,
     selected: Vec<Item>,
     hovered: Option<Item>,
+    pointed_out: Vec<ObjectId>,
+    replayed: Option<usize>,
     ghosts: Vec<Person>,
+    actors: Vec<Actor>,
+    /// The way that is drawn: its clip, by address, and how.
+    way: (usize, Trail),
     view: ViewOptions,
     moving: bool,
 }
@@ -123,15 +143,21 @@ impl Canvas {
         let scale = ui.ctx().pixels_per_point();
         let size = [(rect.width() * scale).round() as u32, (rect.height() * scale).round() as u32];
         let slow = self.gpu.as_ref().is_some_and(|gpu| gpu.context.is_software());
-        let moving = slow && (is_moving(ui) || state.jobs.populating());
+        let busy = state.jobs.populating() || state.motion.player.playing;
+        let moving = slow && (is_moving(ui) || busy);
+        let coarser = if moving { DRAFT } else { 1 };
         let wanted = Drawn {
             camera: state.orbit.camera(),
-            size: size.map(|side| side.max(1)),
+            size: size.map(|side| (side / coarser).max(1)),
             revision: state.document.revision(),
             heat_ready: state.measurements,
             selected: state.selection.iter().collect(),
             hovered,
+            pointed_out: state.living.pointed_out.clone(),
+            replayed: state.replayed().map(|(number, ..)| number),
             ghosts: state.shown_ghosts(),
+            actors: actors::actors(state, hovered),
+            way: actors::way_key(state),
             view: state.view.clone(),
             moving,
         };
@@ -201,16 +227,24 @@ impl Canvas {
         if let Some(Item::Object(id)) = wanted.hovered.filter(|_| state.tool == super::state::Tool::PutHere) {
             selected_objects.push(id);
         }
+        selected_objects.extend(&wanted.pointed_out);
         let people = self.people(state, wanted);
         let room = self.room(state);
-        SceneDraw { room, body: Some(surface), people, selected_objects, look, ..SceneDraw::default() }
+        let lines = actors::way(state);
+        SceneDraw { room, body: Some(surface), people, selected_objects, lines, look, ..SceneDraw::default() }
     }
 
     fn people(&mut self, state: &EditorState, wanted: &Drawn) -> Vec<PersonDraw> {
         let engine = state.engine().clone();
         let only = state.view.isolated.as_ref();
-        let shown = |p: &&Person| p.visible && only.is_none_or(|only| only.contains(&Item::Person(p.id)));
-        let solid = state.document.scene().people.iter().filter(shown).map(|person| {
+        let clips = state.shown_clips();
+        let shown = |p: &&Person| {
+            let wanted = only.is_none_or(|only| only.contains(&Item::Person(p.id)));
+            p.visible && wanted && !super::motion::moves(&clips, p.id)
+        };
+        let replayed = state.replayed().map(|(.., people)| people);
+        let there = replayed.unwrap_or(&state.document.scene().people);
+        let solid = there.iter().filter(shown).map(|person| {
             let mut draw =
                 PersonDraw::new(person.id, self.pose(&engine, person.id.0, &person.body), person.palette);
             let item = Item::Person(person.id);
@@ -226,6 +260,12 @@ impl Canvas {
             draw.alpha = if state.ghosts.is_empty() { SHOWN_ALPHA } else { GHOST_ALPHA };
             people.push(draw);
         }
+        for actor in &wanted.actors {
+            let vertices = self.pose_frame(&engine, actor);
+            let mut draw = PersonDraw::new(PersonId(actor.id), vertices, actor.palette);
+            (draw.alpha, draw.selected) = (actor.alpha, actor.selected);
+            people.push(draw);
+        }
         let alive: Vec<u32> = people.iter().map(|p| p.id.0).collect();
         self.posed.retain(|id, _| alive.contains(id));
         people
@@ -233,10 +273,23 @@ impl Canvas {
 
     fn pose(&mut self, engine: &Arc<dyn Engine>, id: u32, body: &BodyParams) -> Arc<[Vec3]> {
         match self.posed.get(&id) {
-            Some(posed) if posed.body == *body => posed.vertices.clone(),
+            Some(Posed { shape: Shape::Body(of), vertices }) if of == body => vertices.clone(),
             _ => {
                 let vertices = engine.pose(body);
-                self.posed.insert(id, Posed { body: body.clone(), vertices: vertices.clone() });
+                let shape = Shape::Body(body.clone());
+                self.posed.insert(id, Posed { shape, vertices: vertices.clone() });
+                vertices
+            }
+        }
+    }
+
+    fn pose_frame(&mut self, engine: &Arc<dyn Engine>, actor: &Actor) -> Arc<[Vec3]> {
+        let shape = Shape::Frame(actor.betas, actor.frame.clone());
+        match self.posed.get(&actor.id) {
+            Some(posed) if posed.shape == shape => posed.vertices.clone(),
+            _ => {
+                let vertices = engine.pose_frame(&actor.betas, &actor.frame);
+                self.posed.insert(actor.id, Posed { shape, vertices: vertices.clone() });
                 vertices
             }
         }
@@ -244,7 +297,7 @@ impl Canvas {
 
     /// The room without what isolation leaves out; the same `Arc` while nothing changes.
     fn room(&mut self, state: &EditorState) -> Arc<Room> {
-        let room = &state.document.scene().room;
+        let room = state.replayed().map_or(&state.document.scene().room, |(_, room, _)| room);
         let Some(only) = &state.view.isolated else { return room.clone() };
         if let Some(filtered) = &self.filtered
             && Arc::ptr_eq(&filtered.of, room)

@@ -5,7 +5,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::actions;
 use super::orbit::AxisView;
-use super::state::EditorState;
+use super::state::{EditorState, Overlay};
 
 /// One command.
 pub struct CommandInfo {
@@ -38,6 +38,8 @@ pub enum Menu {
     View,
     /// Generation.
     People,
+    /// Motions.
+    Motion,
     /// Findings.
     Inspect,
     /// Help.
@@ -46,8 +48,16 @@ pub enum Menu {
 
 impl Menu {
     /// Every menu from left to right.
-    pub const ALL: [Self; 7] =
-        [Self::File, Self::Edit, Self::Select, Self::View, Self::People, Self::Inspect, Self::Help];
+    pub const ALL: [Self; 8] = [
+        Self::File,
+        Self::Edit,
+        Self::Select,
+        Self::View,
+        Self::People,
+        Self::Motion,
+        Self::Inspect,
+        Self::Help,
+    ];
 
     /// Name for people.
     pub fn label(self) -> &'static str {
@@ -57,6 +67,7 @@ impl Menu {
             Self::Select => "Select",
             Self::View => "View",
             Self::People => "People",
+            Self::Motion => "Motion",
             Self::Inspect => "Inspect",
             Self::Help => "Help",
         }
@@ -92,6 +103,14 @@ fn has_room(state: &EditorState) -> bool {
 
 fn has_people(state: &EditorState) -> bool {
     !state.document.scene().people.is_empty()
+}
+
+fn can_play(state: &EditorState) -> bool {
+    state.can_play()
+}
+
+fn can_re_roll(state: &EditorState) -> bool {
+    has_people(state) || !state.selection.goals().is_empty()
 }
 
 fn has_cards(state: &EditorState) -> bool {
@@ -168,7 +187,7 @@ pub const COMMANDS: &[CommandInfo] = commands! {
 
     "populate" People "Populate" [CTRL Enter] "Puts people into the room." if has_room => actions::populate;
     "put-here" People "Put somebody here" [SHIFT A] "Click a spot and somebody appears there." if has_room => actions::put_here;
-    "re-roll" People "Re-roll" [NONE F9] "Makes the selected people anew with another seed; without a selection, the last generation." if has_people => actions::re_roll;
+    "re-roll" People "Re-roll" [NONE F9] "Makes the selected people anew with another seed; without a selection, the last generation. Selected sub-goals get another body." if can_re_roll => actions::re_roll;
     "sample-view" People "Sample from this view" [SHIFT S] "Proposes people for what is seen; accept those you like." if |s| s.geometry().is_some() => actions::sample_view;
     "photo" People "Fit to a photo..." [] "Finds a person of a photo, by its keypoints, in this room." if has_room => actions::show_photo;
     "accept" People "Accept candidate" [NONE Enter] "Fits the candidate that is shown and puts it into the room." if |s| s.sheet.chosen_card().is_some() => actions::accept_chosen;
@@ -180,12 +199,32 @@ pub const COMMANDS: &[CommandInfo] = commands! {
     "clear-candidates" People "Clear candidates" [] "Forgets the candidates; who was accepted stays." if has_cards => actions::clear_candidates;
     "cancel" People "Cancel jobs" [] "Stops everything that runs." if |s| s.jobs.any_running() => actions::cancel_jobs;
 
+    "add-goals" Motion "Add sub-goals" [SHIFT I] "Click where somebody should stand, sit or lie; drag to say which way to face. Esc ends." if has_room => actions::add_goals;
+    "new-motion" Motion "New motion" [] "Begins another motion; with a person selected, theirs." if has_room => actions::new_motion;
+    "synthesise" Motion "Synthesise" [CTRL_SHIFT Enter] "Makes the motion from sub-goal to sub-goal; only legs that something has changed are made again." if |s| s.can_synthesise().is_ok() && !s.jobs.moving() => actions::synthesise;
+    "another-way" Motion "Another way" [] "Makes the motion with the next seed." if |s| s.can_synthesise().is_ok() && !s.jobs.moving() => actions::another_way;
+    "insert-goal" Motion "Insert sub-goal" [NONE I] "Puts a sub-goal where the motion is now." if can_play => actions::insert_goal;
+    "play" Motion "Play" [NONE Space] "Plays the motions, or stops." if can_play => actions::play;
+    "next-frame" Motion "Next frame" [NONE ArrowRight] "One frame on." if can_play => |s| actions::step_frames(s, 1);
+    "previous-frame" Motion "Previous frame" [NONE ArrowLeft] "One frame back." if can_play => |s| actions::step_frames(s, -1);
+    "next-second" Motion "Next second" [CTRL ArrowRight] "One second on." if can_play => |s| actions::step_seconds(s, 1.0);
+    "previous-second" Motion "Previous second" [CTRL ArrowLeft] "One second back." if can_play => |s| actions::step_seconds(s, -1.0);
+    "next-goal" Motion "Next sub-goal" [NONE ArrowUp] "Goes to the next sub-goal of the motion." if can_play => |s| actions::step_goal(s, true);
+    "previous-goal" Motion "Previous sub-goal" [NONE ArrowDown] "Goes to the previous sub-goal of the motion." if can_play => |s| actions::step_goal(s, false);
+    "first-frame" Motion "First frame" [SHIFT ArrowLeft] "Goes to the beginning." if can_play => |s| actions::go_to_end(s, false);
+    "last-frame" Motion "Last frame" [SHIFT ArrowRight] "Goes to the end." if can_play => |s| actions::go_to_end(s, true);
+    "loop" Motion "Loop" [] "Plays on and on, or once." if can_play => actions::toggle_loop;
+    "trail" Motion "Trail" [SHIFT T] "Shows the way: a line, a line with figures, nothing." if can_play => actions::cycle_trail;
+    "export-motion" Motion "Export motion..." [CTRL_SHIFT E] "Writes the motions as animated GLB, BVH, AMASS npz, GIF or pictures." if can_play => actions::export_motion;
+
     "heat" Inspect "Heat map" [NONE M] "Colours bodies by distance: off, contact, penetration." if has_people => actions::cycle_heat;
     "next-finding" Inspect "Next finding" [NONE N] "Goes to the next thing above its limit, worst first." if |s| s.has_findings() => actions::next_finding;
     "previous-finding" Inspect "Previous finding" [NONE P] "Goes to the previous thing above its limit." if |s| s.has_findings() => actions::previous_finding;
     "why" Inspect "Why like this" [SHIFT W] "Shows what the sampler saw and what the fit made of it." if has_room => actions::show_why;
     "before" Inspect "Before the fit" [NONE B] "Shows the selected person as sampled, before the fit, as a ghost." if people_selected => actions::toggle_before;
     "networks" Inspect "Networks" [] "Training curves and figures of the bundled networks." if always => actions::show_networks;
+    "actions" People "Actions..." [] "What can be done in this room next, and what was done." if has_room => |s| s.requests.show_actions = true;
+    "study" Inspect "Human study..." [] "Shows results of several methods blind and in random order; raters score them from 1 to 5." if always => |s| s.overlay = Overlay::Study;
     "measure" Inspect "Measure selected again" [] "Measures the selected people anew." if people_selected => actions::measure_again;
 
     "palette" Help "Command palette" [CTRL K, CTRL P, NONE F3] "Finds and runs any command." if always => actions::show_palette;

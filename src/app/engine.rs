@@ -6,21 +6,29 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::lived::{ActionChoice, LivedRoom};
 use crate::assets::PersonKeypoints;
+use crate::document::NextIds;
 use crate::document::Project;
 use crate::evolve::PopulatePreview;
 use crate::generate::sensor::SceneImage;
 use crate::inspect::BodyReport;
+use crate::inspect::MotionReport;
 use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::render::BodySurface;
 use crate::render::Picture;
+use crate::scene::BETAS;
 use crate::scene::BodyParams;
 use crate::scene::Camera;
+use crate::scene::Clip;
+use crate::scene::Frame;
 use crate::scene::Person;
 use crate::scene::PoseFamily;
 use crate::scene::Room;
 use crate::scene::RoomGeometry;
 use crate::scene::Scene;
+use crate::scene::SubGoal;
+use crate::scene::SubGoalId;
 use crate::scene::UpAxis;
 
 /// What a user says about a file's unit and up axis; `None` is left to detection.
@@ -82,10 +90,8 @@ pub struct Opened {
 pub struct OpenedProject {
     /// The file that *Save* writes.
     pub path: PathBuf,
-    /// First free person id.
-    pub next_person: u32,
-    /// First free object id.
-    pub next_object: u32,
+    /// The ids that are free.
+    pub next: NextIds,
 }
 
 /// People to make; an owned snapshot, a job never sees the document.
@@ -322,7 +328,184 @@ pub struct Made {
     pub shortfall: Option<String>,
 }
 
-/// The work of the window. Everything but [`Engine::pose`] runs in a job.
+/// How a motion is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum MotionMethod {
+    /// Steps and postures by rules learned from captured walks.
+    #[default]
+    Gait,
+    /// RouteNet and PoseNet (LTM §3.3).
+    Learned,
+    /// Pieces of captured motion, blended (HSNMS-like).
+    Retrieval,
+    /// RouteNet, and a body for each frame by the sub-goal network (LTM §4.2).
+    RouteCvae,
+}
+
+impl MotionMethod {
+    /// Every method, in the order of the menu.
+    pub const ALL: [Self; 4] = [Self::Gait, Self::Learned, Self::Retrieval, Self::RouteCvae];
+
+    /// Name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Gait => "Steps by rule",
+            Self::Learned => "Networks (RouteNet, PoseNet)",
+            Self::Retrieval => "Captured pieces",
+            Self::RouteCvae => "Route + CVAE",
+        }
+    }
+
+    /// Name on the command line.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Gait => "gait",
+            Self::Learned => "learned",
+            Self::Retrieval => "retrieval",
+            Self::RouteCvae => "cvae",
+        }
+    }
+
+    /// What it is good at, for somebody who has never heard of it.
+    pub fn strength(self) -> &'static str {
+        match self {
+            Self::Gait => {
+                "Plans every footstep along the way and swings the body over it with the rhythm of captured walks. Feet \
+                 stay where they tread, turns and stops are exact. Take this when in doubt."
+            }
+            Self::Learned => {
+                "Two networks: the first draws the way, the second the poses along it, both with an eye on the room. \
+                 More variety with every seed, feet less exact."
+            }
+            Self::Retrieval => {
+                "Looks for captured pieces that begin and end nearly right and blends them together. The most natural \
+                 details, where a fitting piece exists."
+            }
+            Self::RouteCvae => {
+                "To compare with: the same network's way, but a body for each frame by itself. Every frame is \
+                 plausible, the motion is not smooth."
+            }
+        }
+    }
+}
+
+/// A motion to be made; an owned snapshot.
+#[derive(Clone)]
+pub struct MoveTask {
+    /// The room.
+    pub room: Arc<Room>,
+    /// What its geometry says.
+    pub geometry: Arc<RoomGeometry>,
+    /// Sub-goals, body shape and seed; and, where it was made before, the frames, whose legs are kept where
+    /// nothing has changed.
+    pub clip: Clip,
+    /// By what.
+    pub method: MotionMethod,
+    /// Sub-goals whose bodies are to be others than they are.
+    pub anew: Vec<SubGoalId>,
+    /// Who else moves, and must not be walked into.
+    pub others: Vec<Arc<Clip>>,
+    /// Who stays where they are, and must not be walked into.
+    pub people: Vec<Person>,
+}
+
+/// A motion while it is being made: whole, but not as good as it will be.
+#[derive(Clone, Debug)]
+pub struct MovePreview {
+    /// The motion.
+    pub clip: Arc<Clip>,
+}
+
+/// What came of a [`MoveTask`].
+#[derive(Clone, Debug, Default)]
+pub struct Moved {
+    /// The motion.
+    pub clip: Clip,
+    /// What was measured.
+    pub report: Option<MotionReport>,
+    /// What the user should know: sub-goals that were not met, narrow places.
+    pub remarks: Vec<String>,
+}
+
+/// A file format of motions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MotionFormat {
+    /// Animated, skinned GLB of the people.
+    #[default]
+    Glb,
+    /// The same with the room.
+    GlbWithRoom,
+    /// Biovision hierarchy.
+    Bvh,
+    /// AMASS-like NumPy archive.
+    Amass,
+    /// Animated GIF.
+    Gif,
+    /// A folder of PNG pictures.
+    Pictures,
+}
+
+impl MotionFormat {
+    /// Every format, in the order of the menu.
+    pub const ALL: [Self; 6] =
+        [Self::Glb, Self::GlbWithRoom, Self::Bvh, Self::Amass, Self::Gif, Self::Pictures];
+
+    /// Name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Glb => "Animated GLB",
+            Self::GlbWithRoom => "Animated GLB with room",
+            Self::Bvh => "BVH",
+            Self::Amass => "AMASS npz",
+            Self::Gif => "GIF",
+            Self::Pictures => "PNG sequence",
+        }
+    }
+
+    /// Ending of its files.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Glb | Self::GlbWithRoom => "glb",
+            Self::Bvh => "bvh",
+            Self::Amass => "npz",
+            Self::Gif => "gif",
+            Self::Pictures => "png",
+        }
+    }
+
+    /// What it is for.
+    pub fn purpose(self) -> &'static str {
+        match self {
+            Self::Glb => {
+                "Skinned, dressed people that play in Blender and in game engines. In Blender, set the scene to the clip's frames a second first."
+            }
+            Self::GlbWithRoom => "The same with the room around them, in one file.",
+            Self::Bvh => "The skeleton alone, for motion tools: metres, Y up, one file for each motion.",
+            Self::Amass => {
+                "Pose parameters as researchers exchange them (SMPL+H, Z up), one file for each motion."
+            }
+            Self::Gif => "What the view shows, 15 pictures a second, for a page or a message.",
+            Self::Pictures => "What the view shows, a picture for each frame, for a film.",
+        }
+    }
+}
+
+/// Motions to be written; an owned snapshot.
+#[derive(Clone)]
+pub struct MotionExport {
+    /// As what.
+    pub format: MotionFormat,
+    /// Room and people.
+    pub scene: Scene,
+    /// The motions.
+    pub clips: Vec<Arc<Clip>>,
+    /// From where pictures are taken.
+    pub camera: Camera,
+    /// Columns and rows of pictures.
+    pub size: [u32; 2],
+}
+
+/// The work of the window. Everything but [`Engine::pose`] and what says so runs in a job.
 pub trait Engine: Send + Sync + 'static {
     /// Names of the bundled sample rooms.
     fn samples(&self) -> Vec<String>;
@@ -422,6 +605,50 @@ pub trait Engine: Send + Sync + 'static {
     ) -> Result<BodyReport, Stop>;
     /// Vertices of a body in metres, world frame. Below a millisecond, so the window calls it itself.
     fn pose(&self, body: &BodyParams) -> Arc<[Vec3]>;
+    /// The same of a motion's frame.
+    fn pose_frame(&self, betas: &[f32; BETAS], frame: &Frame) -> Arc<[Vec3]>;
+    /// Which methods can't be used, and why.
+    fn missing_motion_methods(&self) -> Vec<(MotionMethod, String)>;
+    /// Makes a motion; previews are the motion as it is so far.
+    ///
+    /// # Errors
+    /// Why it can't be made; or cancelled.
+    fn synthesise(&self, task: &MoveTask, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop>;
+    /// Measures every frame of a motion.
+    ///
+    /// # Errors
+    /// Cancelled.
+    fn measure_clip(
+        &self,
+        geometry: &RoomGeometry,
+        clip: &Clip,
+        ticker: &Ticker,
+    ) -> Result<MotionReport, Stop>;
+    /// Whether one gets to a sub-goal from the one before it; called by the window itself while the sub-goal is
+    /// dragged, so it takes a few milliseconds.
+    ///
+    /// # Errors
+    /// What is in the way, in words.
+    fn reach(&self, room: &Room, geometry: &RoomGeometry, clip: &Clip, goal: SubGoalId)
+    -> Result<(), String>;
+    /// Somebody at a sub-goal whose body is not made yet, to look at. Called by the window itself: milliseconds.
+    fn stand_in(&self, goal: &SubGoal, betas: &[f32; BETAS]) -> Frame;
+    /// Writes motions for other programs; how many files.
+    ///
+    /// # Errors
+    /// What, which file, what to do; or cancelled.
+    fn export_motion(&self, path: &Path, export: &MotionExport, ticker: &Ticker) -> Result<usize, Stop>;
+    /// Looks at a room: what can be done in it.
+    ///
+    /// # Errors
+    /// Why it can't be said; or cancelled.
+    fn look_for_actions(
+        &self,
+        room: &Arc<Room>,
+        choice: &ActionChoice,
+        seed: u64,
+        ticker: &Ticker,
+    ) -> Result<Arc<dyn LivedRoom>, Stop>;
     /// How the vertices of [`Engine::pose`] join to triangles.
     fn faces(&self) -> Arc<[[u32; 3]]>;
     /// The surface for the renderer.

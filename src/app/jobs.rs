@@ -7,13 +7,14 @@ use std::time::Duration;
 
 use super::actions;
 use super::engine::{FitTask, Made, Opened, Photo, PopulateTask, SampleMethod, Source};
+use super::living::{Acting, Looking};
+use super::motion::{Making, Measuring as MeasuringClip};
 use super::rooms;
 use super::samples::{self, Origin};
 use super::selection::Item;
 use super::state::{EditorState, Leaving, Overlay};
 use crate::document::Command;
 use crate::document::Document;
-use crate::document::Project;
 use crate::document::RoomVersion;
 use crate::evolve::PopulatePreview;
 use crate::generate::sensor::SceneImage;
@@ -48,6 +49,14 @@ pub enum JobKind {
     See,
     /// Reads a photo.
     Photo,
+    /// Makes a motion.
+    Move,
+    /// Measures a motion.
+    MeasureMotion,
+    /// Writes motions.
+    ExportMotion,
+    /// Looks for actions or does them.
+    Act,
 }
 
 /// A row of the job list.
@@ -99,6 +108,11 @@ pub struct Jobs {
     pub(super) making_room: Option<rooms::MakingRoom>,
     pub(super) seeing: Option<Job<SceneImage>>,
     pub(super) photo: Option<Job<Photo>>,
+    pub(super) making: Option<Making>,
+    pub(super) measuring_clip: Option<MeasuringClip>,
+    pub(super) exporting_motion: Option<(PathBuf, Job<usize>)>,
+    pub(super) looking: Option<Looking>,
+    pub(super) acting: Option<Acting>,
     wanted: Option<Wanted>,
     /// The room whose geometry failed; not tried again until the room changes.
     hopeless: Option<RoomVersion>,
@@ -130,6 +144,11 @@ impl Jobs {
     /// Whether a room is being made to look at.
     pub fn making_room(&self) -> bool {
         self.making_room.is_some()
+    }
+
+    /// Whether a motion is being made.
+    pub fn moving(&self) -> bool {
+        self.making.is_some()
     }
 
     /// Whether people wait for geometry.
@@ -173,6 +192,21 @@ impl Jobs {
         if let Some(job) = &self.photo {
             rows.push(row(JobKind::Photo, job));
         }
+        if let Some(making) = &self.making {
+            rows.push(row(JobKind::Move, &making.job));
+        }
+        if let Some(measuring) = &self.measuring_clip {
+            rows.push(row(JobKind::MeasureMotion, &measuring.job));
+        }
+        if let Some((_, job)) = &self.exporting_motion {
+            rows.push(row(JobKind::ExportMotion, job));
+        }
+        if let Some((_, job)) = &self.looking {
+            rows.push(row(JobKind::Act, job));
+        }
+        if let Some(acting) = &self.acting {
+            rows.push(row(JobKind::Act, &acting.job));
+        }
         rows
     }
 }
@@ -190,7 +224,7 @@ impl EditorState {
     /// Starts to read a room or project. Asks first when that would lose unsaved work.
     pub fn open(&mut self, source: Source) {
         let is_project = matches!(&source, Source::File(path, _) if is_project_file(path));
-        if is_project && self.document.is_dirty() && !self.document.scene().people.is_empty() {
+        if is_project && self.has_unsaved_work() {
             self.overlay = Overlay::Unsaved(Leaving::Open(source));
         } else {
             self.open_now(source);
@@ -216,11 +250,7 @@ impl EditorState {
     /// Starts to write the project.
     pub fn start_saving(&mut self, path: PathBuf) {
         self.document.commit();
-        let project = Project {
-            scene: self.document.scene().clone(),
-            next_person: self.document.next_person(),
-            next_object: self.document.next_object(),
-        };
+        let project = self.document.project();
         let (engine, target) = (self.engine.clone(), path.clone());
         let work = move |cx: &crate::job::JobCtx| engine.save(&target, &project, cx.ticker());
         let name = format!("Save {}", file_name(&path));
@@ -422,6 +452,14 @@ impl EditorState {
             JobKind::MakeRoom => self.jobs.making_room = None,
             JobKind::See => self.jobs.seeing = None,
             JobKind::Photo => self.jobs.photo = None,
+            JobKind::Move => return self.stop_making(),
+            JobKind::MeasureMotion => {
+                self.jobs.measuring_clip = None;
+                self.motion.unmeasurable = Some(self.document.revision());
+            }
+            JobKind::ExportMotion => self.jobs.exporting_motion = None,
+            JobKind::Act if self.jobs.acting.is_some() => return self.stop_acting(),
+            JobKind::Act => self.jobs.looking = None,
         }
         self.notices.info("Cancelled. Nothing was changed.");
     }
@@ -459,9 +497,19 @@ impl EditorState {
         self.poll_made_room();
         self.poll_seeing();
         self.poll_photo();
+        self.poll_making();
+        self.poll_clip_measure();
+        self.poll_motion_export();
+        self.poll_living();
+        self.poll_study();
+        if self.study.is_some() {
+            // Nothing is measured while somebody rates: the processor belongs to what is shown.
+            return;
+        }
         self.keep_geometry_fresh();
         self.start_wanted();
         self.keep_measured_fresh();
+        self.keep_clips_measured();
     }
 
     fn poll_open(&mut self) {
@@ -486,7 +534,7 @@ impl EditorState {
         match opened.project {
             Some(project) => {
                 let mut document = Document::new(opened.scene);
-                document.reserve_ids(project.next_person, project.next_object);
+                document.reserve_ids(project.next);
                 self.exchange_document(document);
                 self.project = (!recovered).then_some(project.path);
             }
@@ -501,6 +549,13 @@ impl EditorState {
         self.jobs.wanted = None;
         self.ghosts.clear();
         self.clear_sheet();
+        self.jobs.making = None;
+        self.jobs.looking = None;
+        self.jobs.acting = None;
+        self.jobs.measuring_clip = None;
+        self.motion.forget();
+        self.living.forget();
+        self.prune_motion();
         self.look = None;
         self.selection.clear();
         self.view.isolated = None;
@@ -521,7 +576,7 @@ impl EditorState {
     }
 
     /// Another document altogether: nothing that was computed for the old one may be taken for it.
-    fn exchange_document(&mut self, document: Document) {
+    pub(super) fn exchange_document(&mut self, document: Document) {
         self.document = document;
         self.project = None;
         self.measured.clear();

@@ -5,14 +5,21 @@
 //! there. `Window` only draws it and hands on what the user does.
 
 mod actions;
+mod actors;
 mod autosave;
 mod canvas;
 mod commands;
 mod dialog;
 mod engine;
 mod frames;
+mod goal_marks;
 mod icons;
 mod jobs;
+mod life_marks;
+mod lived;
+mod living;
+mod motion;
+mod moving;
 mod networks;
 mod notices;
 mod orbit;
@@ -29,6 +36,7 @@ mod sampling;
 mod screenshot;
 mod selection;
 mod state;
+mod study;
 #[cfg(test)]
 mod tests;
 mod theme;

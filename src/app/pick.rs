@@ -1,13 +1,18 @@
 //! What lies under the cursor. Pure: rays against the room's triangles and the people's vertices.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
+use super::motion;
 use super::selection::Item;
 use super::state::EditorState;
 use crate::math::Aabb;
 use crate::scene::Camera;
 use crate::scene::Category;
+use crate::scene::Frame;
 use crate::scene::ObjectId;
+use crate::scene::Person;
 use crate::scene::Room;
 use crate::scene::RoomGeometry;
 
@@ -15,6 +20,8 @@ use crate::scene::RoomGeometry;
 const PAST_M: f32 = 1e-3;
 /// Walls that a ray may look through before it gives up.
 const LAYERS: usize = 12;
+/// No hand or foot is farther than this from where a body is, metres.
+const REACH_M: f32 = 1.6;
 /// Farther than any room is wide.
 const FAR_M: f32 = 1e4;
 
@@ -67,14 +74,11 @@ pub fn ray_box(ray: &Ray, bounds: &Aabb, max_m: f32) -> bool {
     near <= far
 }
 
-/// The nearest person or object under the ray, as the viewport shows them.
+/// The nearest person, sub-goal's figure or object under the ray, as the viewport shows them.
 pub fn pick(state: &EditorState, ray: &Ray) -> Option<Picked> {
-    let object = pick_object(state, ray);
-    let person = pick_person(state, ray);
-    match (object, person) {
-        (Some(object), Some(person)) if object.distance_m < person.distance_m => Some(object),
-        (object, person) => person.or(object),
-    }
+    let found =
+        [pick_object(state, ray), pick_figure(state, ray), pick_mover(state, ray), pick_person(state, ray)];
+    found.into_iter().flatten().min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
 }
 
 fn is_shown(state: &EditorState, item: Item) -> bool {
@@ -82,11 +86,44 @@ fn is_shown(state: &EditorState, item: Item) -> bool {
 }
 
 fn pick_person(state: &EditorState, ray: &Ray) -> Option<Picked> {
+    let clips = state.shown_clips();
+    let shown =
+        |p: &&Person| p.visible && is_shown(state, Item::Person(p.id)) && !motion::moves(&clips, p.id);
+    let people = state.document.scene().people.iter().filter(shown);
+    nearest_body(state, ray, people.map(|p| (Item::Person(p.id), state.engine().pose(&p.body))))
+}
+
+/// Somebody who moves, as shown now.
+fn pick_mover(state: &EditorState, ray: &Ray) -> Option<Picked> {
+    let clips = state.shown_clips();
+    let bodies = clips.iter().filter_map(|clip| {
+        let frame = &clip.frames[state.frame_now(clip)?];
+        near(ray, frame).then(|| (Item::Clip(clip.id), state.engine().pose_frame(&clip.betas, frame)))
+    });
+    nearest_body(state, ray, bodies)
+}
+
+/// The figure of a sub-goal.
+fn pick_figure(state: &EditorState, ray: &Ray) -> Option<Picked> {
+    let figures = state.motion.shown_figures.iter().filter(|figure| near(ray, &figure.frame));
+    let bodies = figures.map(|figure| (figure.item, state.engine().pose_frame(&figure.betas, &figure.frame)));
+    nearest_body(state, ray, bodies)
+}
+
+/// Whether the ray comes so near to a body that it is worth to be posed.
+fn near(ray: &Ray, frame: &Frame) -> bool {
+    let along_m = (frame.translation - ray.origin).dot(ray.direction).max(0.0);
+    (ray.origin + ray.direction * along_m).distance(frame.translation) < REACH_M
+}
+
+fn nearest_body(
+    state: &EditorState,
+    ray: &Ray,
+    bodies: impl Iterator<Item = (Item, Arc<[Vec3]>)>,
+) -> Option<Picked> {
     let faces = state.engine().faces();
     let mut nearest: Option<Picked> = None;
-    let people = state.document.scene().people.iter();
-    for person in people.filter(|p| p.visible && is_shown(state, Item::Person(p.id))) {
-        let vertices = state.engine().pose(&person.body);
+    for (item, vertices) in bodies {
         let max_m = nearest.map_or(FAR_M, |n| n.distance_m);
         if !ray_box(ray, &Aabb::of(vertices.iter().copied()), max_m) {
             continue;
@@ -98,7 +135,7 @@ fn pick_person(state: &EditorState, ray: &Ray) -> Option<Picked> {
                 let point = ray.origin + ray.direction * distance_m;
                 let near = |v: &u32| vertices[*v as usize].distance_squared(point);
                 let vertex = face.iter().min_by(|a, b| near(a).total_cmp(&near(b))).map(|v| *v as usize);
-                nearest = Some(Picked { item: Item::Person(person.id), point, distance_m, vertex });
+                nearest = Some(Picked { item, point, distance_m, vertex });
             }
         }
     }

@@ -7,10 +7,13 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::engine::{
-    Energies, Engine, FitTask, ImportChoice, ImportSummary, Made, NetworkCard, Opened, OpenedProject, Photo,
-    PhotoTask, PopulateTask, RoomRequest, SampleMethod, SampleTask, SampleView, Sampled, Source,
+    Energies, Engine, FitTask, ImportChoice, ImportSummary, Made, MotionExport, MotionMethod, MovePreview,
+    MoveTask, Moved, NetworkCard, Opened, OpenedProject, Photo, PhotoTask, PopulateTask, RoomRequest,
+    SampleMethod, SampleTask, SampleView, Sampled, Source,
 };
 use super::jobs::is_project_file;
+use super::lived::{self, ActionChoice, LivedRoom};
+use super::moving;
 use super::networks;
 use super::photos;
 use super::sampling;
@@ -34,6 +37,7 @@ use crate::fit::TERMS;
 use crate::generate::sensor::SceneImage;
 use crate::generate::sensor::Sensor;
 use crate::inspect::BodyReport;
+use crate::inspect::MotionReport;
 use crate::inspect::inspect_body;
 use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::render::Backend;
@@ -45,13 +49,18 @@ use crate::render::Shown;
 use crate::render::person_glb;
 use crate::render::picture;
 use crate::render::room_views;
+use crate::scene::BETAS;
 use crate::scene::BodyParams;
+use crate::scene::Clip;
+use crate::scene::Frame;
 use crate::scene::GeometryConfig;
 use crate::scene::ImportOptions;
 use crate::scene::Person;
 use crate::scene::Room;
 use crate::scene::RoomGeometry;
 use crate::scene::Scene;
+use crate::scene::SubGoal;
+use crate::scene::SubGoalId;
 use crate::scene::layout::RoomType;
 use crate::scene::layout::new_room;
 use crate::scene::model_from_room;
@@ -223,6 +232,55 @@ impl Engine for RealEngine {
         Body::bundled().pose(body).vertices.into()
     }
 
+    fn pose_frame(&self, betas: &[f32; BETAS], frame: &Frame) -> Arc<[Vec3]> {
+        Body::bundled().pose_frame(betas, frame).vertices.into()
+    }
+
+    fn missing_motion_methods(&self) -> Vec<(MotionMethod, String)> {
+        moving::missing_methods()
+    }
+
+    fn synthesise(&self, task: &MoveTask, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop> {
+        moving::synthesise(task, cx)
+    }
+
+    fn measure_clip(
+        &self,
+        geometry: &RoomGeometry,
+        clip: &Clip,
+        ticker: &Ticker,
+    ) -> Result<MotionReport, Stop> {
+        moving::measure(geometry, clip, ticker)
+    }
+
+    fn reach(
+        &self,
+        room: &Room,
+        geometry: &RoomGeometry,
+        clip: &Clip,
+        goal: SubGoalId,
+    ) -> Result<(), String> {
+        moving::reach(room, geometry, clip, goal)
+    }
+
+    fn stand_in(&self, goal: &SubGoal, betas: &[f32; BETAS]) -> Frame {
+        moving::stand_in(goal, betas)
+    }
+
+    fn export_motion(&self, path: &Path, export: &MotionExport, ticker: &Ticker) -> Result<usize, Stop> {
+        moving::export(path, export, &self.surface(), ticker)
+    }
+
+    fn look_for_actions(
+        &self,
+        room: &Arc<Room>,
+        choice: &ActionChoice,
+        seed: u64,
+        ticker: &Ticker,
+    ) -> Result<Arc<dyn LivedRoom>, Stop> {
+        lived::look_at(room, choice, seed, ticker)
+    }
+
     fn faces(&self) -> Arc<[[u32; 3]]> {
         Body::bundled().model.faces.as_slice().into()
     }
@@ -233,7 +291,7 @@ impl Engine for RealEngine {
 }
 
 /// The step of a library function that asks `ticker` whether to go on.
-fn asks(ticker: &Ticker) -> impl Fn(usize, usize) -> ControlFlow<()> + Sync {
+pub(super) fn asks(ticker: &Ticker) -> impl Fn(usize, usize) -> ControlFlow<()> + Sync {
     |done, total| match ticker.step(done, total) {
         Ok(()) => ControlFlow::Continue(()),
         Err(_) => ControlFlow::Break(()),
@@ -255,7 +313,7 @@ fn open_sample(number: usize, source: &Source, ticker: &Ticker) -> Result<Opened
 
 fn open_project(path: &Path, source: &Source) -> Result<Opened, Stop> {
     let loaded = load_project(path)?;
-    let Project { scene, next_person, next_object } = loaded.project;
+    let Project { scene, next } = loaded.project;
     let summary = ImportSummary {
         source: source.clone(),
         name: scene.room.name.clone(),
@@ -267,7 +325,7 @@ fn open_project(path: &Path, source: &Source) -> Result<Opened, Stop> {
         evidence: Vec::new(),
         notes: loaded.notes,
     };
-    let project = Some(OpenedProject { path: path.to_path_buf(), next_person, next_object });
+    let project = Some(OpenedProject { path: path.to_path_buf(), next });
     Ok(Opened { scene, summary, project })
 }
 

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use crate::scene::ClipId;
 use crate::scene::ObjectId;
 use crate::scene::PersonId;
 use crate::scene::Scene;
+use crate::scene::SubGoalId;
 
 /// Somebody or something in the room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -13,6 +15,10 @@ pub enum Item {
     Person(PersonId),
     /// An object.
     Object(ObjectId),
+    /// A motion: somebody who moves.
+    Clip(ClipId),
+    /// A sub-goal of a motion.
+    Goal(ClipId, SubGoalId),
 }
 
 /// The selected items; the one selected last is active, its details are shown.
@@ -101,11 +107,25 @@ impl Selection {
         self.items.iter().filter_map(object).collect()
     }
 
+    /// The selected motions in ascending order.
+    pub fn clips(&self) -> Vec<ClipId> {
+        let clip = |item: &Item| if let Item::Clip(id) = item { Some(*id) } else { None };
+        self.items.iter().filter_map(clip).collect()
+    }
+
+    /// The selected sub-goals in ascending order.
+    pub fn goals(&self) -> Vec<(ClipId, SubGoalId)> {
+        let goal = |item: &Item| if let Item::Goal(clip, goal) = item { Some((*clip, *goal)) } else { None };
+        self.items.iter().filter_map(goal).collect()
+    }
+
     /// Forgets what is no longer in the scene.
     pub fn prune(&mut self, scene: &Scene) {
         let there = |item: &Item| match item {
             Item::Person(id) => scene.person(*id).is_some(),
             Item::Object(id) => scene.room.object(*id).is_some(),
+            Item::Clip(id) => scene.clip(*id).is_some(),
+            Item::Goal(clip, goal) => scene.clip(*clip).is_some_and(|clip| clip.goal(*goal).is_some()),
         };
         self.items.retain(there);
         if self.active.is_some_and(|item| !there(&item)) {

@@ -5,14 +5,19 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use glam::Vec3;
+
 use super::engine::{Energies, Engine, ImportSummary};
 use super::jobs::Jobs;
+use super::living::Living;
+use super::motion::MotionPanel;
 use super::notices::Notices;
 use super::orbit::Orbit;
 use super::photo::PhotoPanel;
 use super::rooms::NewRoom;
 use super::samples::{Origin, Seen, Sheet};
 use super::selection::{Item, Selection};
+use super::study::{StudyRun, StudySetup};
 use super::transform::Transform;
 use crate::document::Command;
 use crate::document::Document;
@@ -36,6 +41,8 @@ pub enum Tool {
     Select,
     /// Puts somebody where it is clicked.
     PutHere,
+    /// Places a sub-goal where it is pressed; a drag says which way it faces.
+    AddGoal,
 }
 
 /// What bodies are coloured by.
@@ -85,6 +92,10 @@ pub enum Overlay {
     Unsaved(Leaving),
     /// A room that the program makes.
     NewRoom,
+    /// Export of motions: format and path.
+    ExportMotion,
+    /// What a study with human raters is to show.
+    Study,
     /// The bundled networks: curves and figures of the one with this number.
     Networks(usize),
 }
@@ -179,6 +190,12 @@ pub struct WindowRequests {
     pub show_sample: bool,
     /// Bring *Photo* to the front.
     pub show_photo: bool,
+    /// Bring *Motion* to the front.
+    pub show_motion: bool,
+    /// Bring *Actions* to the front.
+    pub show_actions: bool,
+    /// Bring the timeline to the front.
+    pub show_timeline: bool,
     /// Ask for a photo (false) or its keypoints (true).
     pub photo_dialog: Option<bool>,
 }
@@ -236,8 +253,16 @@ pub struct EditorState {
     pub photo: PhotoPanel,
     /// The room that is being made.
     pub new_room: NewRoom,
+    /// Motions: what is made, played and shown of them.
+    pub motion: MotionPanel,
     /// Who was made last, for re-rolls without a selection.
     pub last_made: Vec<PersonId>,
+    /// What people do in the room, and its futures.
+    pub living: Living,
+    /// The next study with human raters.
+    pub study_setup: StudySetup,
+    /// The study that runs.
+    pub study: Option<StudyRun>,
     /// What the window is to do.
     pub requests: WindowRequests,
     /// Width over height of the viewport, for framing.
@@ -276,7 +301,11 @@ impl EditorState {
             look: None,
             photo: PhotoPanel::default(),
             new_room: NewRoom::default(),
+            motion: MotionPanel::default(),
             last_made: Vec::new(),
+            living: Living::new(),
+            study_setup: StudySetup::default(),
+            study: None,
             requests: WindowRequests::default(),
             aspect: 1.5,
             measurements: 0,
@@ -334,9 +363,21 @@ impl EditorState {
             }
         };
         if changed {
-            self.selection.prune(self.document.scene());
+            self.prune();
         }
         changed
+    }
+
+    /// Forgets what is no longer in the scene.
+    pub(super) fn prune(&mut self) {
+        self.selection.prune(self.document.scene());
+        self.prune_motion();
+    }
+
+    /// Whether there is work that no file holds: people or motions.
+    pub fn has_unsaved_work(&self) -> bool {
+        let scene = self.document.scene();
+        self.document.is_dirty() && !(scene.people.is_empty() && scene.clips.is_empty())
     }
 
     /// What was measured of a person, if it still holds.
@@ -398,7 +439,7 @@ impl EditorState {
 
     /// Whether anything is above its limit.
     pub fn has_findings(&self) -> bool {
-        !self.findings().is_empty()
+        !self.findings().is_empty() || !self.worst_clip_findings().is_empty()
     }
 
     /// The box around an item in the world frame; empty if it is gone.
@@ -409,6 +450,13 @@ impl EditorState {
                 .person(id)
                 .map_or(Aabb::EMPTY, |person| Aabb::of(self.engine.pose(&person.body).iter().copied())),
             Item::Object(id) => scene.room.object(id).map_or(Aabb::EMPTY, crate::scene::Object::world_bounds),
+            Item::Clip(id) => self.clip_bounds(id),
+            Item::Goal(clip, goal) => self.goal(clip, goal).map_or(Aabb::EMPTY, goal_bounds),
         }
     }
+}
+
+/// Room for somebody at a sub-goal.
+fn goal_bounds(goal: &crate::scene::SubGoal) -> Aabb {
+    Aabb { min: goal.at - Vec3::new(0.4, 0.0, 0.4), max: goal.at + Vec3::new(0.4, 1.7, 0.4) }
 }

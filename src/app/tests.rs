@@ -13,9 +13,12 @@ use glam::{Affine3A, Vec3};
 
 use super::autosave::Autosave;
 use super::engine::{
-    Candidate, Curve, Engine, FitTask, ImportSummary, Made, NetworkCard, Opened, Photo, PhotoTask,
-    PopulateTask, RoomRequest, SampleMethod, SampleTask, SampleView, Sampled, Source,
+    Candidate, Curve, Engine, FitTask, ImportSummary, Made, MotionExport, MotionFormat, MotionMethod,
+    MovePreview, MoveTask, Moved, NetworkCard, Opened, Photo, PhotoTask, PopulateTask, RoomRequest,
+    SampleMethod, SampleTask, SampleView, Sampled, Source,
 };
+use super::lived::{ActionChoice, ActionStep, LivedRoom, Mark, Touched};
+use super::motion::{GoalFigures, Placing, Trail};
 use super::samples::Fate;
 use super::selection::Item;
 use super::state::{EditorState, Leaving, Overlay, Tool};
@@ -24,13 +27,15 @@ use crate::assets::{Keypoint, KeypointSet, Material, Mesh, PersonKeypoints};
 use crate::body::Body;
 use crate::document::{Command, Project};
 use crate::evolve::PopulatePreview;
+use crate::evolve::action::{Off, Suggestion, Verdict};
 use crate::generate::sensor::{Intrinsics, SIDE, SceneImage, Valid, View};
-use crate::inspect::BodyReport;
-use crate::job::{JobCtx, Seed, Stop, Ticker};
+use crate::inspect::{BodyReport, FrameRecord, MotionReport};
+use crate::job::{Cancelled, JobCtx, Seed, Stop, Ticker};
 use crate::render::{BodySurface, Picture};
 use crate::scene::{
-    BodyParams, Category, FieldConfig, GeometryConfig, Object, ObjectId, ObjectPart, Person, PersonId,
-    PoseFamily, Resolution, Room, RoomGeometry, Scene, UpAxis, bake,
+    BETAS, BodyParams, Category, Clip, ClipId, FieldConfig, Frame, GeometryConfig, GoalPose, Leg, Object,
+    ObjectId, ObjectPart, Person, PersonId, PoseFamily, Resolution, Room, RoomGeometry, Scene, SubGoal,
+    SubGoalId, UpAxis, bake,
 };
 
 /// How making people goes.
@@ -52,6 +57,109 @@ struct FakeEngine {
     making: Mutex<Making>,
     /// Files that were saved, with the number of people in each.
     saved: Mutex<Vec<(PathBuf, usize)>>,
+    /// Motions that were asked for.
+    moves: Mutex<Vec<MoveTask>>,
+    /// Motions that were written: format, file, how many.
+    written: Mutex<Vec<(MotionFormat, PathBuf, usize)>>,
+}
+
+/// A room where one can read (60 %), eat (30 %) or nap (10 %, not possible); each action brings one thing.
+#[derive(Clone)]
+struct FakeLife {
+    room: Room,
+    steps: Vec<ActionStep>,
+    banned: Vec<String>,
+    slow: bool,
+}
+
+impl LivedRoom for FakeLife {
+    fn suggestions(&self) -> Vec<Suggestion> {
+        let of = |node, action: &str, probability| Suggestion {
+            node,
+            action: action.to_owned(),
+            probability,
+            keys: vec![ObjectId(1)],
+        };
+        vec![of(0, "read on sofa", 0.6), of(1, "eat on sofa", 0.3), of(2, "nap on sofa", 0.1)]
+    }
+
+    fn off(&self) -> Vec<Off> {
+        vec![Off { node: 3, action: "cook".to_owned(), why: "there is no kitchen here".to_owned() }]
+    }
+
+    fn draw_next(&self, refused: u64) -> Option<usize> {
+        Some(if refused == 0 { 2 } else { self.steps.len() % 2 })
+    }
+
+    fn apply(&self, node: usize, roll: u64) -> Result<Arc<dyn LivedRoom>, Stop> {
+        if node == 2 {
+            return Err(Stop::Failed("\"nap on sofa\" is not possible here: it is too short".to_owned()));
+        }
+        let mut next = self.clone();
+        let kind = if self.banned.iter().any(|kind| kind == "book") { "cup" } else { "book" };
+        let id = next.room.objects.len() as u32;
+        let mut brought = thing(id, kind, Category::Chair, 0.5);
+        brought.world_from_object = Affine3A::from_translation(Vec3::X * roll as f32 * 0.1);
+        next.room.objects.push(brought);
+        let touched = vec![Touched {
+            id: ObjectId(id),
+            line: format!("{kind} came, on Red sofa"),
+            kind: kind.to_owned(),
+        }];
+        let (at, score) = (Vec3::Y * 0.4, 1.0);
+        let marks = vec![Mark { object: kind.to_owned(), at, verdict: Verdict::Taken, score }];
+        let action = self.suggestions()[node].action.clone();
+        next.steps.push(ActionStep { node, action, touched, marks, ..ActionStep::default() });
+        Ok(Arc::new(next))
+    }
+
+    fn decided(&self, choice: &ActionChoice, _: &[ObjectId]) -> Arc<dyn LivedRoom> {
+        Arc::new(Self { banned: choice.banned.clone(), ..self.clone() })
+    }
+
+    fn last_step(&self) -> Option<ActionStep> {
+        self.steps.last().cloned()
+    }
+
+    fn step_count(&self) -> usize {
+        self.steps.len()
+    }
+
+    fn room(&self) -> Room {
+        self.room.clone()
+    }
+
+    fn people(&self, first_id: u32) -> Vec<Person> {
+        vec![somebody(first_id)]
+    }
+
+    fn fitted_people(&self, first: u32, ticker: &Ticker) -> Result<Vec<(Person, BodyReport)>, Cancelled> {
+        while self.slow {
+            ticker.check()?;
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let mut fitted = somebody(first);
+        fitted.body.translation.y = 0.9;
+        Ok(vec![(fitted, measured_mm(2.0))])
+    }
+}
+
+/// Frames of a leg of the fake.
+const LEG: usize = 10;
+
+/// Slides in a straight line from sub-goal to sub-goal, a third of a second each.
+fn slid(plan: &Clip) -> Clip {
+    let mut clip = Clip { frames: Vec::new(), legs: Vec::new(), ..plan.clone() };
+    let frame = |at: Vec3| Frame { translation: at + Vec3::Y, ..Frame::default() };
+    clip.frames.extend(clip.goals.first().map(|goal| frame(goal.at)));
+    for pair in plan.goals.windows(2) {
+        let first = clip.frames.len() - 1;
+        let along = (1..=LEG).map(|i| frame(pair[0].at.lerp(pair[1].at, i as f32 / LEG as f32)));
+        clip.frames.extend(along);
+        clip.legs.push(Leg { from: pair[0].id, to: pair[1].id, first, last: first + LEG, key: 5 });
+    }
+    clip.planted = clip.frames.iter().enumerate().map(|(i, _)| [i % 8 < 4, i % 8 >= 4]).collect();
+    clip
 }
 
 fn somebody(id: u32) -> Person {
@@ -119,7 +227,10 @@ impl Engine for FakeEngine {
     }
 
     fn open(&self, source: &Source, _: &Ticker) -> Result<Opened, Stop> {
-        if let Source::File(path, _) = source {
+        let is_result = |path: &Path| path.extension().is_some_and(|e| e == "inhabit");
+        if let Source::File(path, _) = source
+            && !is_result(path)
+        {
             return Err(Stop::Failed(format!("{}, byte 0: the file is empty", path.display())));
         }
         let objects =
@@ -283,6 +394,71 @@ impl Engine for FakeEngine {
         Body::bundled().pose(body).vertices.into()
     }
 
+    fn pose_frame(&self, betas: &[f32; BETAS], frame: &Frame) -> Arc<[Vec3]> {
+        Body::bundled().pose_frame(betas, frame).vertices.into()
+    }
+
+    fn missing_motion_methods(&self) -> Vec<(MotionMethod, String)> {
+        vec![(MotionMethod::RouteCvae, "It was left at home".to_owned())]
+    }
+
+    fn synthesise(&self, task: &MoveTask, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop> {
+        self.moves.lock().unwrap().push(task.clone());
+        let clip = slid(&task.clip);
+        while *self.making.lock().unwrap() == Making::FirstThenEndless {
+            cx.step(0, 0)?;
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        if *self.making.lock().unwrap() == Making::Endless {
+            loop {
+                cx.preview(MovePreview { clip: Arc::new(clip.clone()) });
+                cx.step(0, 0)?;
+                std::thread::sleep(Duration::from_millis(2));
+            }
+        }
+        Ok(Moved { clip, report: None, remarks: Vec::new() })
+    }
+
+    /// The eighth frame sinks in.
+    fn measure_clip(&self, _: &RoomGeometry, clip: &Clip, _: &Ticker) -> Result<MotionReport, Stop> {
+        let record = |i: usize| FrameRecord {
+            non_collision: 1.0,
+            contact: true,
+            penetration_max_mm: if i == 7 { 90.0 } else { 2.0 },
+            ..FrameRecord::default()
+        };
+        let frames = (0..clip.frames.len()).map(record).collect();
+        let mut report = MotionReport { frames, ..MotionReport::default() };
+        (report.metrics.non_collision_pct, report.metrics.contact_pct) = (100.0, 100.0);
+        Ok(report)
+    }
+
+    fn reach(&self, _: &Room, _: &RoomGeometry, clip: &Clip, goal: SubGoalId) -> Result<(), String> {
+        let at = clip.goal(goal).map_or(Vec3::ZERO, |goal| goal.at);
+        if at.x > 0.9 { Err("the red sofa is in the way".to_owned()) } else { Ok(()) }
+    }
+
+    fn stand_in(&self, goal: &SubGoal, _: &[f32; BETAS]) -> Frame {
+        Frame { translation: goal.at + Vec3::Y, ..Frame::default() }
+    }
+
+    fn look_for_actions(
+        &self,
+        room: &Arc<Room>,
+        _: &ActionChoice,
+        _: u64,
+        _: &Ticker,
+    ) -> Result<Arc<dyn LivedRoom>, Stop> {
+        let slow = *self.making.lock().unwrap() == Making::Endless;
+        let (room, steps, banned) = (room.as_ref().clone(), Vec::new(), Vec::new());
+        Ok(Arc::new(FakeLife { room, steps, banned, slow }))
+    }
+
+    fn export_motion(&self, path: &Path, export: &MotionExport, _: &Ticker) -> Result<usize, Stop> {
+        self.written.lock().unwrap().push((export.format, path.to_owned(), export.clips.len()));
+        Ok(1)
+    }
+
     fn faces(&self) -> Arc<[[u32; 3]]> {
         Body::bundled().model.faces.as_slice().into()
     }
@@ -352,6 +528,29 @@ impl User {
         self.state().sheet.options.count = count;
         self.presses(Modifiers::SHIFT, Key::S);
         self.waits(|state| !state.jobs.any_running() && !state.sheet.cards.is_empty());
+    }
+
+    /// Places sub-goals at these points of the floor, one after the other.
+    fn places(&mut self, points: &[(f32, f32)]) {
+        for (x, z) in points {
+            let at = Vec3::new(*x, 0.0, *z);
+            self.state().place_goal(Placing { at, towards: at + Vec3::X });
+        }
+        self.sees();
+    }
+
+    /// Makes the active motion and waits until it is measured.
+    fn synthesises(&mut self) {
+        self.presses(Modifiers { shift: true, ..Modifiers::COMMAND }, Key::Enter);
+        self.waits(|state| !state.jobs.any_running() && state.can_play());
+    }
+
+    fn clip(&self) -> Clip {
+        self.harness.state().state.active_clip().expect("a motion").as_ref().clone()
+    }
+
+    fn history(&self) -> Vec<String> {
+        self.harness.state().state.document.past_labels().map(str::to_owned).collect()
     }
 
     /// Seeds of the candidates, which tell them apart.
@@ -841,15 +1040,417 @@ fn every_page_has_names_for_its_widgets_and_letters_that_can_be_read() {
         Overlay::ExportPath(String::new()),
         Overlay::Recover(PathBuf::from("kept.inhabit")),
         Overlay::Networks(0),
+        Overlay::ExportMotion,
+        Overlay::Study,
     ];
+    user.places(&[(-0.5, 0.0), (0.5, 0.5), (0.5, -0.5)]);
+    user.synthesises();
+    let clip = user.clip();
+    user.state().motion.trail = Trail::Figures;
+    user.state().motion.figures = GoalFigures::All;
+    user.state().requests.show_motion = true;
     for dark in [true, false] {
         user.state().view.dark = dark;
         for page in pages.clone() {
-            for item in [None, Some(Item::Person(PersonId(0))), Some(Item::Object(ObjectId(1)))] {
+            let items = [
+                Item::Person(PersonId(0)),
+                Item::Object(ObjectId(1)),
+                Item::Clip(clip.id),
+                Item::Goal(clip.id, clip.goals[1].id),
+            ];
+            for item in std::iter::once(None).chain(items.map(Some)) {
                 user.state().selection.set(item);
                 user.state().overlay = page.clone();
                 user.harness.run_steps(2);
             }
         }
     }
+}
+
+#[test]
+fn sub_goals_are_placed_one_step_each_and_undo_takes_them_back() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.5, 0.0), (0.5, 0.5)]);
+    let clip = user.clip();
+    assert_eq!(clip.goals.iter().map(|goal| goal.at.x).collect::<Vec<_>>(), [-0.5, 0.5]);
+    assert_eq!(clip.goals[1].facing, Some(std::f32::consts::FRAC_PI_2), "the drag went along +X");
+    assert_eq!(user.history(), ["Add sub-goal", "Add sub-goal"]);
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!(user.clip().goals.len(), 1);
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert!(user.state().document.scene().clips.is_empty());
+}
+
+#[test]
+fn a_click_into_the_view_places_a_sub_goal_and_a_drag_gives_it_a_facing() {
+    let mut user = User::opens_the_study();
+    user.presses(Modifiers::SHIFT, Key::I);
+    let middle = user.harness.get_by_label("3-D view").rect().center();
+    user.harness.drag_at(middle);
+    user.harness.hover_at(middle + egui::vec2(40.0, 10.0));
+    user.sees();
+    user.harness.hover_at(middle + egui::vec2(90.0, 20.0));
+    user.sees();
+    assert!(user.state().motion.placing.is_some(), "shown while the button is down");
+    user.harness.drop_at(middle + egui::vec2(90.0, 20.0));
+    user.sees();
+    let goal = user.clip().goals[0].clone();
+    assert!(goal.facing.is_some() && goal.at.x.abs() < 1.0 && goal.at.z.abs() < 1.0, "{goal:?}");
+    assert_eq!(user.state().tool, Tool::AddGoal, "ready for the next one");
+}
+
+#[test]
+fn with_somebody_selected_the_motion_is_theirs_and_begins_where_they_are() {
+    let mut user = User::opens_the_study();
+    user.populates(1);
+    user.state().selection.only(Item::Person(PersonId(0)));
+    user.places(&[(0.5, 0.5)]);
+    let clip = user.clip();
+    assert_eq!((clip.person, clip.name.as_str()), (Some(PersonId(0)), "Person 1"));
+    assert!(clip.goals.len() == 2 && clip.goals[0].locked && clip.goals[0].body.is_some());
+}
+
+#[test]
+fn synthesising_is_one_step_that_plays_and_is_measured_frame_by_frame() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.5, 0.0), (0.5, 0.5), (0.5, -0.5)]);
+    user.synthesises();
+    assert_eq!(user.clip().frames.len(), 2 * LEG + 1);
+    assert_eq!(user.history().last().map(String::as_str), Some("Synthesise motion"));
+    let name = format!("Timeline of {}", user.clip().name);
+    user.harness.get_by_label(&name);
+    let clip = user.state().active_clip().unwrap().clone();
+    let findings = user.state().clip_findings();
+    assert_eq!(findings.len(), 1);
+    assert_eq!((findings[0].0.id, findings[0].1.site.frame), (clip.id, Some(7)));
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert!(user.clip().frames.is_empty() && user.clip().goals.len() == 3, "the plan is there again");
+}
+
+#[test]
+fn cancel_keeps_the_motion_as_it_is_so_far_within_200_ms_as_one_step() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.5, 0.0), (0.5, 0.5)]);
+    *user.engine.making.lock().unwrap() = Making::Endless;
+    user.presses(Modifiers { shift: true, ..Modifiers::COMMAND }, Key::Enter);
+    user.waits(|state| state.motion.preview.is_some());
+    assert!(user.state().can_play(), "plays as it goes");
+    user.harness.get_by_label("Stop and keep").click();
+    let begun = Instant::now();
+    user.harness.step();
+    assert!(begun.elapsed() < Duration::from_millis(200) && !user.state().jobs.moving());
+    assert_eq!(user.clip().frames.len(), LEG + 1);
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert!(user.clip().frames.is_empty());
+}
+
+#[test]
+fn moving_one_sub_goal_says_what_is_in_the_way_and_makes_only_its_legs_again() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.8, 0.0), (-0.3, 0.5), (0.2, -0.5), (0.6, 0.5)]);
+    user.synthesises();
+    let clip = user.clip();
+    user.state().selection.only(Item::Goal(clip.id, clip.goals[1].id));
+    for key in [Key::G, Key::X, Key::Num1, Key::Period, Key::Num4] {
+        user.presses(Modifiers::NONE, key);
+    }
+    let reach = user.state().motion.reach.clone().expect("asked while it is moved");
+    assert_eq!(reach.1, Err("the red sofa is in the way".to_owned()));
+    assert_eq!(user.clip().legs.iter().map(|leg| leg.key).collect::<Vec<_>>(), [0, 0, 5]);
+    user.presses(Modifiers::NONE, Key::Enter);
+    user.waits(|state| !state.jobs.any_running());
+    let asked = user.engine.moves.lock().unwrap().last().unwrap().clip.clone();
+    assert_eq!(asked.legs.iter().map(|leg| leg.key).collect::<Vec<_>>(), [0, 0, 5], "the last leg is kept");
+    assert!((user.clip().goals[1].at.x - 1.1).abs() < 1e-5 && user.clip().legs[0].key == 5);
+    assert!(user.state().motion.reach.is_none());
+}
+
+#[test]
+fn a_sub_goal_is_turned_locked_and_removed_like_everything_else() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.8, 0.0), (-0.3, 0.5), (0.2, -0.5)]);
+    let clip = user.clip();
+    let item = Item::Goal(clip.id, clip.goals[1].id);
+    user.state().selection.only(item);
+    for key in [Key::R, Key::Num9, Key::Num0, Key::Enter] {
+        user.presses(Modifiers::NONE, key);
+    }
+    assert!((user.clip().goals[1].facing.unwrap() - std::f32::consts::PI).abs() < 1e-5);
+    user.presses(Modifiers::NONE, Key::L);
+    user.presses(Modifiers::NONE, Key::X);
+    assert_eq!(user.clip().goals.len(), 3, "locked");
+    user.presses(Modifiers::NONE, Key::L);
+    user.presses(Modifiers::NONE, Key::X);
+    assert_eq!(
+        user.clip().goals.iter().map(|goal| goal.id).collect::<Vec<_>>(),
+        [SubGoalId(0), SubGoalId(2)]
+    );
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!(user.clip().goals.len(), 3);
+}
+
+#[test]
+fn another_body_is_made_at_a_sub_goal_by_f9() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.8, 0.0), (-0.3, 0.5)]);
+    let clip = user.clip();
+    user.state().selection.only(Item::Goal(clip.id, clip.goals[1].id));
+    user.presses(Modifiers::NONE, Key::F9);
+    user.waits(|state| !state.jobs.any_running());
+    assert_eq!(user.engine.moves.lock().unwrap()[0].anew, [clip.goals[1].id]);
+}
+
+#[test]
+fn space_plays_arrows_step_and_the_red_frame_is_one_click_away() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.5, 0.0), (0.5, 0.5), (0.5, -0.5)]);
+    user.synthesises();
+    user.presses(Modifiers::SHIFT, Key::ArrowLeft);
+    assert_eq!(user.state().motion.player.seconds, 0.0);
+    user.presses(Modifiers::NONE, Key::ArrowRight);
+    user.presses(Modifiers::NONE, Key::ArrowRight);
+    let clip = user.state().active_clip().unwrap().clone();
+    assert_eq!(user.state().frame_now(&clip), Some(2));
+    user.presses(Modifiers::NONE, Key::ArrowUp);
+    assert_eq!(user.state().frame_now(&clip), Some(LEG), "the next sub-goal");
+    assert_eq!(user.state().selection.goals(), [(clip.id, clip.goals[1].id)]);
+    user.presses(Modifiers::SHIFT, Key::ArrowRight);
+    assert_eq!(user.state().frame_now(&clip), Some(2 * LEG));
+    super::actions::go_to_clip_finding(user.state(), 0);
+    assert_eq!(user.state().frame_now(&clip), Some(7), "the one that sinks in");
+    user.harness.key_press(Key::Space);
+    user.harness.step();
+    assert!(user.state().motion.player.playing);
+    user.harness.step();
+    user.harness.key_press(Key::Space);
+    user.sees();
+    assert!(!user.state().motion.player.playing);
+}
+
+#[test]
+fn two_motions_play_at_once_and_each_knows_of_the_other() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.5, 0.0), (0.5, 0.5)]);
+    user.synthesises();
+    user.state().selection.clear();
+    super::actions::new_motion(user.state());
+    user.places(&[(-0.5, -0.5), (0.5, -0.5)]);
+    user.synthesises();
+    assert_eq!(user.state().document.scene().clips.len(), 2);
+    let others = user.engine.moves.lock().unwrap().last().unwrap().others.clone();
+    assert_eq!(others.iter().map(|clip| clip.id).collect::<Vec<_>>(), [ClipId(0)]);
+    assert_eq!(super::actors::actors(user.state(), None).iter().filter(|a| a.alpha == 1.0).count(), 2);
+}
+
+#[test]
+fn motions_are_exported_in_every_format() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.5, 0.0), (0.5, 0.5)]);
+    user.synthesises();
+    for format in MotionFormat::ALL {
+        user.state().ask_motion_export(format);
+        user.sees();
+        user.harness.get_by_label("Export").click();
+        user.sees();
+        user.waits(|state| !state.jobs.any_running());
+    }
+    let written = user.engine.written.lock().unwrap().clone();
+    assert_eq!(written.iter().map(|(format, ..)| *format).collect::<Vec<_>>(), MotionFormat::ALL);
+    assert!(written.iter().all(|(.., clips)| *clips == 1));
+    assert!(written[2].1.to_string_lossy().ends_with(".bvh"));
+}
+
+#[test]
+fn a_seat_is_a_place_to_sit_for_a_sub_goal_that_takes_whatever_suits() {
+    let mut user = User::opens_the_study();
+    user.state().motion.options.pose = GoalPose::Sit;
+    user.places(&[(0.1, 0.2)]);
+    assert_eq!((user.clip().goals[0].pose, user.clip().goals[0].stay_s), (GoalPose::Sit, 2.0));
+    user.state().motion.options.pose = GoalPose::Walk;
+    user.places(&[(0.4, 0.2)]);
+    assert_eq!((user.clip().goals[1].pose, user.clip().goals[1].stay_s), (GoalPose::Walk, 0.0));
+}
+
+#[test]
+fn a_study_is_blind_scored_by_key_and_leaves_the_users_room_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = ["ours/door", "ours/sofa", "theirs/door", "theirs/sofa"];
+    let files = results.map(|name| (format!("{name}.inhabit"), Vec::new()));
+    crate::document::write_folder(folder.path(), &files).unwrap();
+    let mut user = User::opens_the_study();
+    user.populates(2);
+    user.state().study_setup.folder = folder.path().display().to_string();
+    user.state().study_setup.rater = "Ada".to_owned();
+    super::commands::find("study").map(|c| (c.run)(user.state()));
+    user.sees();
+    user.harness.get_by_label("Begin").click();
+    user.sees();
+    for (number, key) in [Key::Num4, Key::Num2, Key::Num5, Key::Num1].into_iter().enumerate() {
+        user.waits(|state| state.study.as_ref().is_some_and(super::study::StudyRun::is_shown));
+        let text = format!("{} of 4", number + 1);
+        user.harness.get_by_label(&text);
+        for giveaway in ["ours", "theirs", "door", "sofa"] {
+            assert_eq!(user.harness.query_all_by_label_contains(giveaway).count(), 0, "{giveaway} is shown");
+        }
+        user.presses(Modifiers::NONE, key);
+    }
+    user.waits(|state| state.study.as_ref().is_some_and(|run| !run.summary.is_empty()));
+    user.harness.get_by_label("Thank you: everything is scored.");
+    let summary = &user.state().study.as_ref().unwrap().summary;
+    let counts: Vec<_> = summary.iter().map(|m| (m.method.as_str(), m.count)).collect();
+    assert_eq!(counts, [("ours", 2), ("theirs", 2)]);
+    assert_eq!(summary.iter().map(|m| m.mean).sum::<f64>(), 6.0);
+    user.presses(Modifiers::NONE, Key::Escape);
+    assert!(user.people() == 2 && user.state().study.is_none() && user.state().document.is_dirty());
+    for file in ["scores-Ada.csv", "summary.csv"] {
+        assert!(folder.path().join(file).is_file(), "{file}");
+    }
+}
+
+impl User {
+    /// Looks at the study for actions, in a panel that is open.
+    fn looks_for_actions(&mut self) {
+        self.state().requests.show_actions = true;
+        self.sees();
+        self.harness.get_by_label("What can be done here?").click();
+        self.waits(|state| state.life_now().is_some());
+    }
+
+    fn does(&mut self, action: &str) {
+        self.harness.get_by_label_contains(action).click();
+        self.sees();
+        self.waits(|state| !state.is_living());
+    }
+
+    fn objects(&self) -> Vec<String> {
+        let room = &self.harness.state().state.document.scene().room;
+        room.objects.iter().map(|o| o.name.clone()).collect()
+    }
+}
+
+#[test]
+fn actions_are_suggested_most_probable_first_and_hovering_points_out_where() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    let tops: Vec<f32> = ["read on sofa (60 %)", "eat on sofa (30 %)", "nap on sofa (10 %)"]
+        .map(|name| user.harness.get_by_label(name).rect().top())
+        .to_vec();
+    assert!(tops.windows(2).all(|pair| pair[0] < pair[1]), "{tops:?}");
+    user.harness.get_by_label("read on sofa (60 %)").hover();
+    user.sees();
+    assert_eq!(user.state().living.pointed_out, [ObjectId(1)]);
+    user.harness.get_by_label("Not possible here (1)");
+}
+
+#[test]
+fn an_action_is_one_step_with_its_person_and_undo_takes_all_of_it_back() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("read on sofa (60");
+    assert_eq!(user.history(), ["read on sofa"]);
+    assert_eq!(user.objects(), ["Oak floor", "Red sofa", "book"]);
+    let person = user.state().document.scene().people[0].clone();
+    assert_eq!(person.body.translation.y, 0.9, "fitted");
+    assert_eq!(user.state().measured(person.id).map(|m| m.report.metrics.penetration_max_mm), Some(2.0));
+    user.harness.get_by_label_contains("book came, on Red sofa");
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!((user.objects().len(), user.people()), (2, 0));
+    assert_eq!(user.state().life_now(), Some(0), "the panel knows where it is");
+    user.presses(Modifiers { shift: true, ..Modifiers::COMMAND }, Key::Z);
+    assert_eq!((user.objects().len(), user.state().life_now()), (3, Some(1)));
+}
+
+#[test]
+fn two_futures_of_one_room_are_branches_that_one_can_go_to_and_fro_between() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("read on sofa (60");
+    user.does("eat on sofa (30");
+    user.state().re_roll_action();
+    user.waits(|state| !state.is_living());
+    let tree = &user.state().living.tree;
+    assert_eq!(
+        tree.iter().map(|node| (node.parent, node.roll)).collect::<Vec<_>>()[2..],
+        [(Some(1), 0), (Some(1), 1)]
+    );
+    assert_eq!(user.people(), 1, "whoever ate before is gone");
+    assert!(user.state().show_life(2));
+    assert_eq!(user.state().life_now(), Some(2));
+    assert!(user.state().show_life(0));
+    assert_eq!((user.objects().len(), user.people()), (2, 0));
+    assert_eq!(user.history().last().map(String::as_str), Some("Go to the room as it was"));
+}
+
+#[test]
+fn a_sampled_chain_skips_what_is_not_possible_and_is_a_step_for_each_action() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.state().living.count = 3;
+    user.state().start_chain();
+    user.waits(|state| !state.is_living());
+    assert_eq!(user.history(), ["read on sofa", "eat on sofa", "read on sofa"]);
+    assert_eq!((user.objects().len(), user.people()), (5, 1));
+}
+
+#[test]
+fn a_banned_kind_is_not_brought_again_and_a_cancelled_action_keeps_what_was_done() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("read on sofa (60");
+    user.state().ban_kind("book");
+    user.waits(|state| !state.is_living());
+    assert_eq!(user.objects(), ["Oak floor", "Red sofa", "cup"]);
+    *user.engine.making.lock().unwrap() = Making::Endless;
+    user.state().apply(Command::MoveObject(ObjectId(1), Affine3A::from_translation(Vec3::X)));
+    assert_eq!(user.state().life_now(), None, "changed by hand");
+    user.sees();
+    user.harness.get_by_label("Look at the room again").click();
+    user.waits(|state| state.life_now().is_some());
+    user.state().start_action(0);
+    user.waits(|state| !state.ghosts.is_empty());
+    user.state().cancel_all();
+    assert!(user.history().last().is_some_and(|label| label == "read on sofa") && !user.state().is_living());
+}
+
+#[test]
+fn an_action_that_is_not_possible_says_why_and_changes_nothing() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("nap on sofa (10");
+    assert!(user.errors()[0].contains("it is too short"), "{:?}", user.errors());
+    assert!(user.history().is_empty());
+}
+
+#[test]
+fn a_replay_shows_the_way_here_and_changes_nothing() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("read on sofa (60");
+    user.does("eat on sofa (30");
+    let history = user.history();
+    user.state().toggle_replay();
+    let shown =
+        |user: &mut User| user.state().replayed().map(|(number, room, _)| (number, room.objects.len()));
+    assert_eq!(shown(&mut user), Some((0, 2)), "the room as it was");
+    assert!(user.state().advance_replay(1.5));
+    assert_eq!(shown(&mut user), Some((1, 3)));
+    assert!(!user.state().advance_replay(10.0), "it ends by itself");
+    assert_eq!((user.history(), user.objects().len()), (history, 4));
+}
+
+#[test]
+fn sub_goals_that_change_while_a_motion_is_made_are_not_lost() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.5, 0.0), (0.5, 0.5)]);
+    *user.engine.making.lock().unwrap() = Making::FirstThenEndless;
+    user.presses(Modifiers { shift: true, ..Modifiers::COMMAND }, Key::Enter);
+    user.places(&[(0.3, -0.5)]);
+    assert!(user.state().jobs.moving());
+    *user.engine.making.lock().unwrap() = Making::Quick;
+    user.waits(|state| !state.jobs.any_running() && state.can_play());
+    assert_eq!(
+        (user.clip().goals.len(), user.clip().frames.len()),
+        (3, 2 * LEG + 1),
+        "made again with all three"
+    );
 }

@@ -4,14 +4,18 @@
 use egui::{Key, Modifiers};
 use glam::{Affine3A, Mat3, Vec3};
 
-use super::pick::Ray;
+use super::motion::carried_goal;
+use super::pick::{self, Ray};
 use super::selection::Item;
 use super::state::EditorState;
 use crate::body::Body;
 use crate::document::Command;
 use crate::scene::BodyParams;
+use crate::scene::ClipId;
+use crate::scene::GoalPose;
 use crate::scene::ObjectId;
 use crate::scene::PersonId;
+use crate::scene::SubGoal;
 
 /// Farther than this nobody moves by mouse: near the horizon a pixel is a kilometre. Metres.
 const FARTHEST_M: f32 = 30.0;
@@ -40,6 +44,9 @@ pub struct Transform {
     pub typed: String,
     people: Vec<(PersonId, BodyParams)>,
     objects: Vec<(ObjectId, Affine3A)>,
+    goals: Vec<(ClipId, SubGoal)>,
+    /// Ends when the button is let go of, not with a click.
+    pub by_drag: bool,
     pivot: Vec3,
     /// Where the mouse was when it began.
     from: Option<Ray>,
@@ -63,6 +70,19 @@ impl Transform {
         format!(
             "{amount}{typed}   X Y Z: axis   number: exactly   Ctrl: steps   Enter or click: keep   Esc: leave"
         )
+    }
+
+    /// The sub-goal that is moved by itself over whatever the mouse points at: one on a seat or bed.
+    fn over_surfaces(&self) -> bool {
+        let alone = self.people.is_empty() && self.objects.is_empty() && self.goals.len() == 1;
+        let rests = self.goals.iter().all(|(_, goal)| !matches!(goal.pose, GoalPose::Walk | GoalPose::Stand));
+        alone && rests && self.kind == TransformKind::Move && self.axis.is_none() && self.typed.is_empty()
+    }
+
+    /// Sub-goals as they are after what was done.
+    fn moved_goals(&self) -> Vec<(ClipId, SubGoal)> {
+        let rigid = self.rigid();
+        self.goals.iter().map(|(clip, goal)| (*clip, carried_goal(goal, &rigid, self.turned_rad))).collect()
     }
 
     /// Whether a person is being moved.
@@ -146,7 +166,7 @@ fn carried(body: &BodyParams, rigid: &Affine3A) -> BodyParams {
 }
 
 /// Where a ray meets the plane through `point`; nowhere behind it or beyond the horizon.
-fn on_plane(ray: &Ray, point: Vec3, normal: Vec3) -> Option<Vec3> {
+pub fn on_plane(ray: &Ray, point: Vec3, normal: Vec3) -> Option<Vec3> {
     let along = ray.direction.dot(normal);
     let distance_m = (point - ray.origin).dot(normal) / along;
     (along.abs() > 1e-4 && distance_m > 0.0).then(|| ray.origin + ray.direction * distance_m)
@@ -169,13 +189,24 @@ impl EditorState {
             .into_iter()
             .filter_map(|id| scene.room.object(id).filter(|o| !o.locked).map(|o| (id, o.world_from_object)))
             .collect();
-        if people.is_empty() && objects.is_empty() {
-            self.notices.warning("Nothing to move: select people or things that are not locked.");
+        let free = |clip: ClipId| scene.clip(clip).is_some_and(|clip| !clip.locked);
+        let goals: Vec<(ClipId, SubGoal)> = self
+            .selection
+            .goals()
+            .into_iter()
+            .filter(|(clip, _)| free(*clip))
+            .filter_map(|(clip, goal)| Some((clip, self.goal(clip, goal)?.clone())))
+            .collect();
+        if people.is_empty() && objects.is_empty() && goals.is_empty() {
+            self.notices.warning("Nothing to move: select people, sub-goals or things that are not locked.");
             return;
         }
         let items = people.iter().map(|(id, _)| Item::Person(*id));
         let items = items.chain(objects.iter().map(|(id, _)| Item::Object(*id)));
+        let items = items.chain(goals.iter().map(|(clip, goal)| Item::Goal(*clip, goal.id)));
         let bounds = items.fold(crate::math::Aabb::EMPTY, |all, item| all.union(self.bounds_of(item)));
+        let only_goals = people.is_empty() && objects.is_empty();
+        let pivot = if only_goals { bounds.center().with_y(goals[0].1.at.y) } else { bounds.center() };
         self.document.begin(if kind == TransformKind::Move { "Move" } else { "Turn" });
         self.transform = Some(Transform {
             kind,
@@ -183,7 +214,9 @@ impl EditorState {
             typed: String::new(),
             people,
             objects,
-            pivot: bounds.center(),
+            goals,
+            by_drag: false,
+            pivot,
             from: None,
             moved_m: Vec3::ZERO,
             turned_rad: 0.0,
@@ -192,8 +225,13 @@ impl EditorState {
 
     /// The mouse points along `ray`; with `snap` in round steps.
     pub fn drag_transform(&mut self, ray: &Ray, snap: bool) {
+        let picked = pick::pick_object(self, ray).map(|picked| picked.point);
         let Some(transform) = &mut self.transform else { return };
-        if transform.typed.is_empty() {
+        if transform.over_surfaces() {
+            if let Some(point) = picked {
+                transform.moved_m = point - transform.goals[0].1.at;
+            }
+        } else if transform.typed.is_empty() {
             transform.follow(ray, snap);
         }
         self.apply_transform();
@@ -203,6 +241,11 @@ impl EditorState {
         let commands = self.transform.as_ref().map(Transform::commands).unwrap_or_default();
         for command in commands {
             self.apply(command);
+        }
+        let goals = self.transform.as_ref().map(Transform::moved_goals).unwrap_or_default();
+        self.put_goals(&goals);
+        if let [(clip, goal)] = goals.as_slice() {
+            self.ask_reach(*clip, goal.id);
         }
     }
 
@@ -239,6 +282,7 @@ impl EditorState {
     /// Keeps what was done, or puts everything back.
     pub fn end_transform(&mut self, keep: bool) {
         let Some(transform) = self.transform.take() else { return };
+        self.motion.reach = None;
         if !keep {
             self.document.abort();
             return;
@@ -247,6 +291,9 @@ impl EditorState {
         let people: Vec<PersonId> = transform.people.into_iter().map(|(id, _)| id).collect();
         if self.populate.settle && !people.is_empty() {
             self.settle(&people);
+        }
+        if let Some((clip, _)) = transform.goals.first() {
+            self.follow_change(*clip);
         }
     }
 }

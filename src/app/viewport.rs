@@ -5,11 +5,15 @@ use glam::Vec3;
 
 use super::actions;
 use super::canvas::Canvas;
+use super::goal_marks;
+use super::life_marks;
+use super::motion::Placing;
 use super::overlay3d;
 use super::panels;
 use super::pick::{self, Picked, Ray};
 use super::selection::Item;
 use super::state::{EditorState, Heat, Tool};
+use super::transform::{TransformKind, on_plane};
 
 /// Points of wheel travel that count as one notch.
 const POINTS_PER_NOTCH: f32 = 40.0;
@@ -23,13 +27,18 @@ pub fn viewport(ui: &mut Ui, state: &mut EditorState, canvas: &mut Canvas) -> bo
     }
     state.aspect = rect.width() / rect.height();
     navigate(ui, state, &response, rect);
+    state.place_figures();
     let hovered = hovered(ui, state, &response, rect);
+    grip_goal(ui, state, &response, rect);
     transform(ui, state, rect);
     canvas.show(ui, rect, state, hovered.map(|h| h.item));
+    goal_marks::marks(ui, state, rect, hovered.map(|h| h.item));
+    life_marks::marks(ui, state, rect);
     photo_over_view(ui, state, rect);
     if state.transform.is_some() {
         end_transform(ui, state, &response);
     } else {
+        place_goal(ui, state, &response, rect);
         click(ui, state, &response, hovered);
         select_by_box(ui, state, &response, rect);
         menu(state, &response);
@@ -101,8 +110,78 @@ fn transform(ui: &Ui, state: &mut EditorState, rect: Rect) {
     ui.ctx().set_cursor_icon(egui::CursorIcon::Move);
 }
 
+/// A drag that begins on a sub-goal moves it.
+fn grip_goal(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect) {
+    let modifiers = ui.input(|i| i.modifiers);
+    let free = state.transform.is_none() && state.tool == Tool::Select && !modifiers.alt && !modifiers.shift;
+    if !free || !response.drag_started_by(PointerButton::Primary) {
+        return;
+    }
+    let Some(from) = ui.input(|i| i.pointer.press_origin()) else { return };
+    let picked = picked_at(state, rect, from);
+    if let Some(Picked { item: item @ Item::Goal(..), .. }) = picked {
+        if !state.selection.contains(item) {
+            state.selection.only(item);
+        }
+        state.begin_transform(TransformKind::Move);
+        let ray = ray_at(state, rect, from);
+        state.drag_transform(&ray, false);
+        if let Some(transform) = &mut state.transform {
+            transform.by_drag = true;
+        }
+    }
+}
+
+/// A press places a sub-goal, a drag from there says which way it faces.
+fn place_goal(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect) {
+    if state.tool != Tool::AddGoal || ui.input(|i| i.modifiers.alt) {
+        return;
+    }
+    let (from, now) = ui.input(|i| (i.pointer.press_origin(), i.pointer.latest_pos()));
+    if response.drag_started_by(PointerButton::Primary) {
+        let picked = from.and_then(|from| pick::pick_object(state, &ray_at(state, rect, from)));
+        state.motion.placing = picked.map(|p| Placing { at: p.point, towards: p.point });
+    }
+    if let (Some(placing), Some(now)) = (state.motion.placing, now) {
+        let towards = on_plane(&ray_at(state, rect, now), placing.at, Vec3::Y).unwrap_or(placing.towards);
+        state.motion.placing = Some(Placing { towards, ..placing });
+    }
+    if response.drag_stopped_by(PointerButton::Primary)
+        && let Some(placing) = state.motion.placing.take()
+    {
+        state.place_goal(placing);
+    } else if response.clicked() {
+        let at = response.interact_pointer_pos();
+        let picked = at.and_then(|at| pick::pick_object(state, &ray_at(state, rect, at)));
+        match picked {
+            Some(picked) => state.place_goal(Placing { at: picked.point, towards: picked.point }),
+            None => state.notices.warning("There is nothing to be on at this spot."),
+        }
+    }
+}
+
+/// What a press at a point of the view is on: marks of sub-goals before all else.
+fn picked_at(state: &EditorState, rect: Rect, at: Pos2) -> Option<Picked> {
+    let ray = ray_at(state, rect, at);
+    let marked = goal_marks::mark_at(state, rect, at).map(|(item, point)| Picked {
+        item,
+        point,
+        distance_m: point.distance(ray.origin),
+        vertex: None,
+    });
+    marked.or_else(|| pick::pick(state, &ray))
+}
+
 /// The left button keeps it, the right one leaves everything as it was.
 fn end_transform(ui: &Ui, state: &mut EditorState, response: &Response) {
+    if state.transform.as_ref().is_some_and(|transform| transform.by_drag) {
+        if !ui.input(|i| i.pointer.primary_down()) {
+            state.end_transform(true);
+        } else if ui.input(|i| i.pointer.button_pressed(PointerButton::Secondary)) {
+            state.end_transform(false);
+        }
+        return;
+    }
     let (left, right) = ui.input(|i| {
         (i.pointer.button_pressed(PointerButton::Primary), i.pointer.button_pressed(PointerButton::Secondary))
     });
@@ -157,8 +236,8 @@ fn wheel(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect, flyi
 fn hovered(ui: &Ui, state: &EditorState, response: &Response, rect: Rect) -> Option<Picked> {
     let at = response.hover_pos()?;
     let busy = response.dragged() || ui.input(|i| i.pointer.any_down() && !i.pointer.any_pressed());
-    (response.contains_pointer() && !busy && state.has_room())
-        .then(|| pick::pick(state, &ray_at(state, rect, at)))
+    (response.contains_pointer() && !busy && state.has_room() && state.study.is_none())
+        .then(|| picked_at(state, rect, at))
         .flatten()
 }
 
@@ -172,9 +251,13 @@ fn click(ui: &Ui, state: &mut EditorState, response: &Response, hovered: Option<
     if !response.clicked() {
         return;
     }
-    if state.tool == Tool::PutHere {
-        place(ui, state, hovered);
-        return;
+    match state.tool {
+        Tool::PutHere => return place(ui, state, hovered),
+        Tool::AddGoal => return,
+        Tool::Select => {}
+    }
+    if let Some(Picked { item: Item::Clip(clip) | Item::Goal(clip, _), .. }) = hovered {
+        state.activate_clip(clip);
     }
     let add = ui.input(|i| i.modifiers.shift);
     match hovered {
@@ -269,7 +352,7 @@ fn value_under_cursor(ui: &Ui, state: &EditorState, response: &Response, hovered
 }
 
 fn tool_cursor(ui: &Ui, state: &EditorState, response: &Response) {
-    if state.tool == Tool::PutHere && response.hovered() {
+    if state.tool != Tool::Select && response.hovered() {
         ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
     }
 }

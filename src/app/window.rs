@@ -37,9 +37,12 @@ enum Pane {
     Populate,
     Sample,
     Photo,
+    Motion,
+    Actions,
     Inspector,
     Why,
     Candidates,
+    Timeline,
     Findings,
     Energies,
     Jobs,
@@ -153,7 +156,11 @@ impl Window {
     fn show_title(&mut self, ctx: &Context) {
         let name = &self.state.document.scene().room.name;
         let mark = if self.state.document.is_dirty() { "*" } else { "" };
-        let title = if name.is_empty() { "Inhabit".to_owned() } else { format!("{name}{mark} - Inhabit") };
+        let title = if name.is_empty() || self.state.study.is_some() {
+            "Inhabit".to_owned()
+        } else {
+            format!("{name}{mark} - Inhabit")
+        };
         if title != self.title {
             ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;
@@ -175,7 +182,7 @@ impl Window {
         let events = ctx.input(|i| i.events.clone());
         for event in events {
             let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { continue };
-            if !typing && self.state.key_in_transform(key, modifiers) {
+            if !typing && (self.state.key_in_study(key) || self.state.key_in_transform(key, modifiers)) {
                 ctx.input_mut(|i| i.consume_key(modifiers, key));
                 continue;
             }
@@ -211,6 +218,9 @@ impl Window {
             (requests.show_sample, Pane::Sample),
             (requests.show_why, Pane::Why),
             (requests.show_photo, Pane::Photo),
+            (requests.show_motion, Pane::Motion),
+            (requests.show_actions, Pane::Actions),
+            (requests.show_timeline, Pane::Timeline),
         ] {
             if asked {
                 self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(of) if *of == pane));
@@ -266,11 +276,37 @@ impl Window {
     /// Asks before the window closes with unsaved people in it.
     fn guard_close(&mut self, ctx: &Context) {
         let closing = ctx.input(|i| i.viewport().close_requested());
-        let unsaved = self.state.document.is_dirty() && !self.state.document.scene().people.is_empty();
-        if closing && unsaved && !self.leaving && self.script.is_none() {
+        if closing {
+            self.state.leave_study();
+        }
+        if closing && self.state.has_unsaved_work() && !self.leaving && self.script.is_none() {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.state.overlay = Overlay::Unsaved(super::state::Leaving::Quit);
         }
+    }
+
+    /// Time goes on in the motions that play.
+    fn play(&mut self, ctx: &Context, passed: Duration) {
+        let length_s = if self.state.motion.player.playing { self.state.play_seconds() } else { 0.0 };
+        if self.state.motion.player.playing {
+            self.state.motion.player.advance(passed.as_secs_f32(), length_s);
+            ctx.request_repaint();
+        }
+        if self.state.advance_replay(passed.as_secs_f32()) {
+            ctx.request_repaint_after(NEWS_EVERY);
+        }
+    }
+
+    /// A study shows the view and the scale, and nothing that could give away what is shown.
+    fn show_study(&mut self, ui: &mut Ui, ctx: &Context) {
+        egui::Panel::bottom("study").show(ui, |ui| panels::study_bar(ui, &mut self.state));
+        let frame = egui::Frame::central_panel(ui.style()).inner_margin(0);
+        egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+            viewport::viewport(ui, &mut self.state, &mut self.canvas);
+        });
+        panels::overlays(ctx, &mut self.state);
+        panels::toasts(ctx, &mut self.state);
+        self.do_requests(ctx);
     }
 
     fn dock(&mut self, ui: &mut Ui) {
@@ -293,6 +329,7 @@ impl eframe::App for Window {
         }
         self.show_title(ctx);
         let passed = Duration::from_secs_f32(ctx.input(|i| i.unstable_dt).min(1.0));
+        self.play(ctx, passed);
         if let Some(next) = self.state.notices.advance(passed) {
             ctx.request_repaint_after(next.min(Duration::from_millis(500)));
         }
@@ -306,6 +343,9 @@ impl eframe::App for Window {
         self.take_keys(&ctx);
         self.take_drops(&ctx);
         self.guard_close(&ctx);
+        if self.state.study.is_some() {
+            return self.show_study(ui, &ctx);
+        }
         egui::Panel::top("menu").show(ui, |ui| panels::menu_bar(ui, &mut self.state));
         let render = RenderStatus { adapter: self.canvas.adapter(), frame_ms: self.canvas.frame_ms() };
         egui::Panel::bottom("status").show(ui, |ui| panels::status_bar(ui, &mut self.state, &render));
@@ -384,14 +424,14 @@ fn layout() -> Tree<Pane> {
     let objects = tabs(&[Pane::Objects]);
     let people = tabs(&[Pane::People]);
     let view = tabs(&[Pane::Viewport]);
-    let below = tabs(&[Pane::Findings, Pane::Candidates, Pane::Energies, Pane::Jobs]);
-    let populate = tabs(&[Pane::Populate, Pane::Sample, Pane::Photo]);
+    let below = tabs(&[Pane::Findings, Pane::Timeline, Pane::Candidates, Pane::Energies, Pane::Jobs]);
+    let populate = tabs(&[Pane::Populate, Pane::Sample, Pane::Photo, Pane::Motion, Pane::Actions]);
     let inspector = tabs(&[Pane::Inspector, Pane::Why]);
     let mut column =
         |children: [TileId; 2], shares: [f32; 2]| linear(&mut tiles, LinearDir::Vertical, &children, &shares);
     let left = column([objects, people], [0.6, 0.4]);
     let middle = column([view, below], [0.74, 0.26]);
-    let right = column([populate, inspector], [0.46, 0.54]);
+    let right = column([populate, inspector], [0.6, 0.4]);
     let root = linear(&mut tiles, LinearDir::Horizontal, &[left, middle, right], &[0.17, 0.61, 0.22]);
     Tree::new(egui::Id::unique("dock"), root, tiles)
 }
@@ -422,9 +462,12 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Populate => panels::populate,
             Pane::Sample => panels::sample,
             Pane::Photo => panels::photo,
+            Pane::Motion => panels::motion,
+            Pane::Actions => panels::living,
             Pane::Inspector => panels::inspector,
             Pane::Why => panels::why,
             Pane::Candidates => panels::sheet,
+            Pane::Timeline => panels::timeline,
             Pane::Findings => panels::findings,
             Pane::Energies => panels::energies,
             Pane::Jobs => panels::jobs,
@@ -441,6 +484,9 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Populate => "Populate".to_owned(),
             Pane::Sample => "Sample".to_owned(),
             Pane::Photo => "Photo".to_owned(),
+            Pane::Motion => "Motion".to_owned(),
+            Pane::Actions => "Actions".to_owned(),
+            Pane::Timeline => "Timeline".to_owned(),
             Pane::Inspector => "Inspector".to_owned(),
             Pane::Why => "Why like this".to_owned(),
             Pane::Candidates => format!("Candidates {}", self.state.sheet.cards.len()),

@@ -1,15 +1,10 @@
 //! The furniture models that come with the program: `assets/furniture`, authors and licences in its MANIFEST.csv.
 
-use super::{AssetError, Budget, Model, read_model_bytes};
+use super::bundle::{Bundle, bundle};
+use super::{AssetError, Model};
 
-macro_rules! files {
-    ($($name:literal)*) => {
-        &[$(($name, include_bytes!(concat!("../../assets/furniture/", $name)))),*]
-    };
-}
-
-/// Every model: its file name and bytes, in the order of the names.
-static FURNITURE: &[(&str, &[u8])] = files! {
+/// Every model, in the order of the names.
+static FURNITURE: Bundle = bundle! { "furniture":
     "armchair__armChair2__BlendSwap-CC-BY.glb"
     "armchair__armchair1__BlendSwap-CC-BY.glb"
     "armchair__armchair1__Scopia.glb"
@@ -122,7 +117,7 @@ static FURNITURE: &[(&str, &[u8])] = files! {
 
 /// File names of all bundled furniture models, in alphabetical order.
 pub fn furniture_names() -> impl Iterator<Item = &'static str> {
-    FURNITURE.iter().map(|(name, _)| *name)
+    FURNITURE.names()
 }
 
 /// The bundled furniture model of this file name; `None` if there is no such file.
@@ -130,8 +125,7 @@ pub fn furniture_names() -> impl Iterator<Item = &'static str> {
 /// # Errors
 /// Never for an untouched program: what the reader says of a damaged file.
 pub fn furniture_model(name: &str) -> Option<Result<Model, AssetError>> {
-    let index = FURNITURE.binary_search_by(|(known, _)| (*known).cmp(name)).ok()?;
-    Some(read_model_bytes(name, FURNITURE[index].1, &Budget::default()))
+    FURNITURE.model(name)
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! Files to checked, immutable values and back: glTF, OBJ, PLY, images, npz, BVH, weights, the disk cache.
+//! Files to checked, immutable values and back: glTF, OBJ, PLY, images, npz, BVH, annotations of photos, weights, the
+//! disk cache.
 //!
 //! May name `math` only. No file is trusted: counts are checked against a [`Budget`] and against the bytes
 //! that are there before anything is allocated; paths inside a file stay in its folder; nothing is fetched.
@@ -8,15 +9,19 @@ pub mod cache;
 mod clips;
 pub mod npz;
 
+mod amass;
 mod bvh;
+mod bvh_write;
 mod deepmimic;
 mod rig_motion;
 mod weights;
 
 mod budget;
+mod bundle;
 mod encode;
 mod error;
 mod furniture;
+mod gif;
 mod gltf;
 mod hash;
 mod keypoints;
@@ -24,6 +29,8 @@ mod mend;
 mod model;
 mod npz_write;
 mod obj;
+mod objects;
+pub mod photos;
 mod picture;
 mod ply;
 mod read;
@@ -32,21 +39,27 @@ mod triangulate;
 mod uri;
 mod write_glb;
 
+pub use amass::{AMASS_JOINTS, AmassMotion};
 pub use budget::Budget;
 pub use bvh::{MotionFileError, read_bvh};
+pub use bvh_write::write_bvh;
 pub use clips::{CLIP_JOINTS, PoseClip, read_pose_clips};
 pub use deepmimic::read_deepmimic;
 pub use encode::{encode_jpeg, encode_png};
 pub use error::{AssetError, Problem};
 pub use furniture::{furniture_model, furniture_names};
+pub use gif::{GifError, GifWriter};
 pub use hash::{ContentHasher, NumberHasher, NumberMap, content_hash};
 pub use keypoints::{
     Keypoint, KeypointSet, PersonKeypoints, PictureKeypoints, read_keypoints, read_keypoints_bytes,
 };
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
+pub use objects::{library_text, object_model, object_names};
 pub use picture::read_photo;
 pub use read::{read_model, read_model_bytes};
 pub use rig_motion::{RigJoint, RigMotion};
 pub use samples::{SampleRoom, sample_rooms};
 pub use weights::{Precision, WeightTensor, Weights, WeightsError};
-pub use write_glb::{GlbWriteError, SkinJoint, SkinnedMesh, glb_from_model, glb_from_skinned};
+pub use write_glb::{
+    GlbWriteError, SkinJoint, SkinMotion, SkinnedMesh, glb_from_model, glb_from_skinned, glb_with_people,
+};

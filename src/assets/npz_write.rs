@@ -23,7 +23,7 @@ macro_rules! number {
     };
 }
 
-number!(f32 => "<f4", u8 => "|u1", u16 => "<u2", i32 => "<i4", i64 => "<i8");
+number!(f32 => "<f4", f64 => "<f8", u8 => "|u1", u16 => "<u2", i32 => "<i4", i64 => "<i8");
 
 /// Effort of deflate: depth pictures shrink nearly as well as at the highest, in a third of the time.
 const EFFORT: i64 = 4;
@@ -51,15 +51,29 @@ impl NpzWriter {
     /// When the numbers don't fill the shape: a mistake of the caller.
     pub fn add<T: Number>(&mut self, name: &str, shape: &[usize], numbers: &[T]) -> std::io::Result<()> {
         assert_eq!(shape.iter().product::<usize>(), numbers.len(), "array `{name}` has another shape");
+        let mut bytes = Vec::with_capacity(size_of_val(numbers));
+        numbers.iter().for_each(|n| n.put(&mut bytes));
+        self.file(name, &header(T::DTYPE, shape), &bytes)
+    }
+
+    fn file(&mut self, name: &str, header: &[u8], bytes: &[u8]) -> std::io::Result<()> {
         let options = SimpleFileOptions::default()
             .compression_method(zip::CompressionMethod::Deflated)
             .compression_level(Some(EFFORT))
             .last_modified_time(zip::DateTime::default());
         self.archive.start_file(format!("{name}.npy"), options).map_err(std::io::Error::other)?;
-        self.archive.write_all(&header(T::DTYPE, shape))?;
-        let mut bytes = Vec::with_capacity(size_of_val(numbers));
-        numbers.iter().for_each(|n| n.put(&mut bytes));
-        self.archive.write_all(&bytes)
+        self.archive.write_all(header)?;
+        self.archive.write_all(bytes)
+    }
+
+    /// Adds one text as NumPy's scalar of Unicode, which readers of motion archives expect of names.
+    ///
+    /// # Errors
+    /// What the zip writer says; never in memory.
+    pub fn add_text(&mut self, name: &str, text: &str) -> std::io::Result<()> {
+        let letters: Vec<u32> = text.chars().map(u32::from).collect();
+        let bytes: Vec<u8> = letters.iter().flat_map(|letter| letter.to_le_bytes()).collect();
+        self.file(name, &header(&format!("<U{}", letters.len().max(1)), &[]), &bytes)
     }
 
     /// The archive's bytes.
@@ -97,12 +111,16 @@ mod tests {
             writer.add("people/height", &[2, 1], &[1.5f32, -2.25]).expect("adds");
             writer.add("depth", &[3], &[0u16, 7, 65535]).expect("adds");
             writer.add("kind", &[0, 4], &[] as &[u8]).expect("adds");
+            writer.add("rate", &[], &[29.97f64]).expect("adds");
+            writer.add_text("gender", "neutral").expect("adds");
             writer.finish().expect("finishes")
         };
         let npz = Npz::from_bytes("x.npz", &write()).expect("reads");
         assert_eq!(npz.floats("people/height", &[Some(2), Some(1)]).expect("floats").1, [1.5, -2.25]);
         assert_eq!(npz.array("depth").expect("ints").numbers, Numbers::Int(vec![0, 7, 65535]));
         assert_eq!(npz.array("kind").expect("empty").shape, [0, 4]);
+        assert_eq!(npz.array("rate").expect("a scalar").numbers, Numbers::Float(vec![29.97]));
+        assert!(npz.array("gender").expect_err("text").to_string().contains("U7"));
         assert_eq!(write(), write(), "the same bytes each time");
     }
 }

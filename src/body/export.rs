@@ -42,6 +42,7 @@ pub fn skinned_mesh(body: &Body, name: &str, params: &BodyParams, colors: Vec<[u
         skeleton: (0..NAMES.len()).map(joint).collect(),
         translation_m: params.translation,
         extras: Some(serde_json::json!({ "body": params }).to_string()),
+        motion: None,
     }
 }
 

@@ -7,7 +7,9 @@
 //! SMPL-X's order ([`joints`]).
 
 mod export;
+mod export_clip;
 mod families;
+mod feet;
 mod hand_space;
 mod hands;
 mod ik;
@@ -25,7 +27,9 @@ mod subset;
 mod workspace;
 
 pub use export::skinned_mesh;
+pub use export_clip::{amass_motion, rig_motion, skinned_clip};
 pub use families::{FamilyHints, LeanStyle, SampledPose, sample_pose};
+pub use feet::{Feet, FootPose, TREADS};
 pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace, HandSpaceError};
 pub use hands::HandShape;
 pub use ik::{Bend, FrameJoints, Limb, axes, two_bone};
@@ -33,10 +37,10 @@ pub use limits::{JointLimit, joint_limits, worst_excess};
 pub use model::{BodyModel, BodyModelError};
 pub use parts::{BodyPart, BodyParts, Seams, part_at};
 pub use pose_decoder::PoseDecoder;
-pub use pose_space::{BodyPose, PoseSpace, PoseTape};
+pub use pose_space::{BodyPose, PoseSpace, PoseTape, mirrored};
 pub use posed::{Body, Posed};
 pub use regions::{ContactRegions, Region};
 pub use retarget::{RetargetError, retarget};
 pub use skin_moments::{POSE_TREE, PoseFigure, SkinMoments, carrier, vertex_areas};
 pub use subset::VertexSubset;
-pub use workspace::{Gradients, Workspace};
+pub use workspace::{Gradients, PosedGradient, Workspace};

@@ -4,7 +4,7 @@ use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
 use crate::assets::npz::Npz;
-use crate::scene::BodyParams;
+use crate::scene::{BETAS, BodyParams, Frame};
 
 use super::hand_space::HandSpace;
 use super::joints::JOINTS;
@@ -94,6 +94,11 @@ impl Body {
         Posed { vertices, joints, rotations }
     }
 
+    /// Poses a body of shape `betas` as `frame` has it.
+    pub fn pose_frame(&self, betas: &[f32; BETAS], frame: &Frame) -> Posed {
+        self.pose_axis_angles(&frame.params(betas), &frame.pose)
+    }
+
     /// Poses many bodies or frames over all threads; results in the order given.
     pub fn pose_many(&self, params: &[BodyParams]) -> Vec<Posed> {
         params.par_iter().map(|p| self.pose(p)).collect()
@@ -110,7 +115,7 @@ mod tests {
     use super::*;
     use crate::body::joints::{LEFT_ANKLE, LEFT_KNEE, LEFT_WRIST, NAMES, PELVIS, mirror};
     use crate::math::Aabb;
-    use crate::scene::{BETAS, HANDS};
+    use crate::scene::HANDS;
 
     #[test]
     fn the_mean_person_stands_1_7_m_tall_facing_z_with_the_left_hand_at_plus_x() {

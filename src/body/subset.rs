@@ -51,6 +51,27 @@ impl VertexSubset {
         subset
     }
 
+    /// The given vertices of one body shape, in the given order: posed without blending the shape again, so the
+    /// `betas` of the forward pass only place the joints, and there is no gradient by shape. For sequences.
+    ///
+    /// # Panics
+    /// If an id is not a vertex of `model`.
+    pub fn of_shape(model: &BodyModel, ids: Vec<u32>, betas: &[f32; BETAS]) -> Self {
+        let mut subset = Self::new(model, ids);
+        for (rest, dirs) in subset.template.iter_mut().zip(&subset.shape_dirs) {
+            for (dir, beta) in dirs.iter().zip(betas) {
+                rest.iter_mut().zip(dir).for_each(|(x, d)| *x += d * beta);
+            }
+        }
+        subset.shape_dirs = vec![];
+        subset
+    }
+
+    /// Every vertex of one body shape, in the model's order ([`VertexSubset::of_shape`]).
+    pub fn all_of_shape(model: &BodyModel, betas: &[f32; BETAS]) -> Self {
+        Self::of_shape(model, (0..model.template.len() as u32).collect(), betas)
+    }
+
     /// Every vertex of the model, in its order.
     pub fn all(model: &BodyModel) -> Self {
         Self::new(model, (0..model.template.len() as u32).collect())

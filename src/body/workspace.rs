@@ -53,6 +53,20 @@ pub struct Gradients<'a> {
     pub local_pose: &'a [Vec3; JOINTS],
 }
 
+/// Gradient with respect to the numbers of a body that was posed by joint rotations
+/// ([`Body::forward_posed`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PosedGradient {
+    /// By the translation.
+    pub translation: Vec3,
+    /// By the root's world-from-body matrix, entry by entry, columns as glam stores them.
+    pub rotation: Mat3,
+    /// By the axis-angles of joints 1 to 21.
+    pub pose: BodyPose,
+    /// By the hand codes.
+    pub hands: [f32; HANDS],
+}
+
 /// No gradient on joints or local poses.
 pub(super) const ZERO_JOINTS: [Vec3; JOINTS] = [Vec3::ZERO; JOINTS];
 
@@ -129,7 +143,8 @@ impl Workspace {
         self.rest_vertices.resize(subset.template.len(), [0.0; BLOCK]);
         for (i, rest) in self.rest_vertices.iter_mut().enumerate() {
             *rest = subset.template[i];
-            for (dir, beta) in subset.shape_dirs[i].iter().zip(betas) {
+            // A subset of one shape has its shape in the template already.
+            for (dir, beta) in subset.shape_dirs.get(i).into_iter().flatten().zip(betas) {
                 for (x, d) in rest.iter_mut().zip(dir) {
                     *x += d * beta;
                 }
@@ -199,7 +214,7 @@ impl Body {
     }
 
     /// As [`Body::forward`] with these axis-angles of the body joints in place of the pose code: for captured poses.
-    /// No gradient can be taken back from it.
+    /// Its gradient comes from [`Body::backward_posed`].
     pub fn forward_posed(
         &self,
         params: &BodyParams,
@@ -220,12 +235,9 @@ impl Body {
         gradients: &Gradients<'_>,
         workspace: &mut Workspace,
     ) -> [f32; PARAMS] {
-        let mut joints = gather_from_vertices(subset, gradients.vertices, workspace);
-        for (position, given) in joints.position.iter_mut().zip(gradients.joints) {
-            *position += *given;
-        }
-        let mut local = *gradients.local_pose;
-        let root = pass_up_the_tree(workspace, &mut joints, &mut local);
+        let mut rest = std::mem::take(&mut workspace.rest_gradient);
+        let (joints, local) = gradient_of_joints(subset, gradients, workspace, Some(&mut rest));
+        workspace.rest_gradient = rest;
         let mut betas = [0.0; BETAS];
         if !gradients.vertices.is_empty() {
             betas = shape_gradient(subset, &workspace.rest_gradient);
@@ -233,18 +245,58 @@ impl Body {
         for (b, beta) in betas.iter_mut().enumerate() {
             *beta += (0..JOINTS).map(|j| self.model.joint_dirs[j][b].dot(joints.rest[j])).sum::<f32>();
         }
-        let body: BodyPose = std::array::from_fn(|j| local[1 + j]);
-        let hands: [[Vec3; HAND_JOINTS]; 2] =
-            [LEFT_HAND, RIGHT_HAND].map(|first| std::array::from_fn(|j| local[first + j]));
         let params = &workspace.params;
         flatten(
             joints.position[0],
-            rotation::pull_back_6d(&params.rotation6, &root),
+            rotation::pull_back_6d(&params.rotation6, &joints.rotation[0]),
             betas,
-            self.pose_space.pull_back_taped(&params.pose, &workspace.tape, &body),
-            self.hand_space.pull_back(&hands),
+            self.pose_space.pull_back_taped(&params.pose, &workspace.tape, &body_part(&local)),
+            self.hand_space.pull_back(&hand_part(&local)),
         )
     }
+
+    /// Gradient with respect to place, rotation, joint rotations and hand codes of a function of what
+    /// [`Body::forward_posed`] left in `workspace`; the shape stays. Changes nothing in the workspace, so the frames
+    /// of a sequence can read each other meanwhile.
+    pub fn backward_posed(
+        &self,
+        subset: &VertexSubset,
+        gradients: &Gradients<'_>,
+        workspace: &Workspace,
+    ) -> PosedGradient {
+        let (joints, local) = gradient_of_joints(subset, gradients, workspace, None);
+        PosedGradient {
+            translation: joints.position[0],
+            rotation: joints.rotation[0],
+            pose: body_part(&local),
+            hands: self.hand_space.pull_back(&hand_part(&local)),
+        }
+    }
+}
+
+fn body_part(local: &[Vec3; JOINTS]) -> BodyPose {
+    std::array::from_fn(|j| local[1 + j])
+}
+
+fn hand_part(local: &[Vec3; JOINTS]) -> [[Vec3; HAND_JOINTS]; 2] {
+    [LEFT_HAND, RIGHT_HAND].map(|first| std::array::from_fn(|j| local[first + j]))
+}
+
+/// The gradient at every joint, passed up to the root, and that of the local axis-angles. `rest` receives that of
+/// the rest vertices where the shape's gradient is asked for.
+fn gradient_of_joints(
+    subset: &VertexSubset,
+    gradients: &Gradients<'_>,
+    workspace: &Workspace,
+    rest: Option<&mut Vec<Block>>,
+) -> (JointGradients, [Vec3; JOINTS]) {
+    let mut joints = gather_from_vertices(subset, gradients.vertices, workspace, rest);
+    for (position, given) in joints.position.iter_mut().zip(gradients.joints) {
+        *position += *given;
+    }
+    let mut local = *gradients.local_pose;
+    pass_up_the_tree(workspace, &mut joints, &mut local);
+    (joints, local)
 }
 
 fn flatten(
@@ -257,32 +309,40 @@ fn flatten(
     BodyParams { translation, rotation6, betas, pose, hands }.to_vector()
 }
 
-/// Skinning backwards: fills the gradient at the rest vertices and returns that of each joint's `R`, `P`, `J`.
-fn gather_from_vertices(subset: &VertexSubset, vertices: &[Vec3], ws: &mut Workspace) -> JointGradients {
+/// Skinning backwards: the gradient of each joint's `R`, `P`, `J`, and in `rest`, where it is asked for, that of the
+/// rest vertices.
+fn gather_from_vertices(
+    subset: &VertexSubset,
+    vertices: &[Vec3],
+    ws: &Workspace,
+    mut rest: Option<&mut Vec<Block>>,
+) -> JointGradients {
     let mut by_rotation = [Mat3A::ZERO; JOINTS];
     let mut by_translation = [Vec3A::ZERO; JOINTS];
-    ws.rest_gradient.resize(subset.template.len(), [0.0; BLOCK]);
+    if let Some(rest) = rest.as_deref_mut() {
+        rest.resize(subset.template.len(), [0.0; BLOCK]);
+    }
     for (i, gradient) in vertices.iter().enumerate() {
+        let influences =
+            &subset.influences[subset.influence_start[i] as usize..subset.influence_start[i + 1] as usize];
+        if let Some(rest) = rest.as_deref_mut() {
+            let at_rest = rest_gradient(influences, *gradient, ws);
+            subset::set_lane(&mut rest[i / LANES], i % LANES, at_rest);
+        }
         if *gradient == Vec3::ZERO {
-            subset::set_lane(&mut ws.rest_gradient[i / LANES], i % LANES, Vec3::ZERO);
             continue;
         }
-        let rest = subset::lane(&ws.rest_vertices[i / LANES], i % LANES);
+        let at = subset::lane(&ws.rest_vertices[i / LANES], i % LANES);
         let g = Vec3A::from(*gradient);
-        let (gx, gy, gz) = (g * rest.x, g * rest.y, g * rest.z);
-        let mut at_rest = Vec3A::ZERO;
-        let (start, end) = (subset.influence_start[i] as usize, subset.influence_start[i + 1] as usize);
-        for (joint, weight) in &subset.influences[start..end] {
+        let (gx, gy, gz) = (g * at.x, g * at.y, g * at.z);
+        for (joint, weight) in influences {
             let (j, w) = (*joint as usize, *weight);
             let sum = &mut by_rotation[j];
             sum.x_axis += gx * w;
             sum.y_axis += gy * w;
             sum.z_axis += gz * w;
             by_translation[j] += g * w;
-            let rt = &ws.skinning[j].transposed;
-            at_rest += (rt.x_axis * gradient.x + rt.y_axis * gradient.y + rt.z_axis * gradient.z) * w;
         }
-        subset::set_lane(&mut ws.rest_gradient[i / LANES], i % LANES, at_rest.into());
     }
     // T = P - R J
     let translation: [Vec3; JOINTS] = by_translation.map(Vec3::from);
@@ -295,9 +355,21 @@ fn gather_from_vertices(subset: &VertexSubset, vertices: &[Vec3], ws: &mut Works
     }
 }
 
-/// Kinematic chain backwards: adds to the local axis-angles' gradient, completes that of the rest joints, and
-/// returns that of the root's matrix.
-fn pass_up_the_tree(ws: &Workspace, joints: &mut JointGradients, local: &mut [Vec3; JOINTS]) -> Mat3 {
+/// The gradient of one rest vertex.
+fn rest_gradient(influences: &[(u32, f32)], gradient: Vec3, ws: &Workspace) -> Vec3 {
+    let mut at_rest = Vec3A::ZERO;
+    if gradient != Vec3::ZERO {
+        for (joint, weight) in influences {
+            let rt = &ws.skinning[*joint as usize].transposed;
+            at_rest += (rt.x_axis * gradient.x + rt.y_axis * gradient.y + rt.z_axis * gradient.z) * *weight;
+        }
+    }
+    at_rest.into()
+}
+
+/// Kinematic chain backwards: adds to the local axis-angles' gradient and completes that of the rest joints and the
+/// root.
+fn pass_up_the_tree(ws: &Workspace, joints: &mut JointGradients, local: &mut [Vec3; JOINTS]) {
     for j in (1..JOINTS).rev() {
         let p = PARENTS[j];
         let offset = ws.rest_joints[j] - ws.rest_joints[p];
@@ -314,7 +386,6 @@ fn pass_up_the_tree(ws: &Workspace, joints: &mut JointGradients, local: &mut [Ve
         local[j] += rotation::pull_back_axis_angle(ws.local_pose[j], &ws.local[j], &at_local);
     }
     joints.rest[0] += joints.position[0];
-    joints.rotation[0]
 }
 
 fn shape_gradient(subset: &VertexSubset, at_rest: &[Block]) -> [f32; BETAS] {
@@ -401,6 +472,80 @@ mod tests {
                 let agrees = |n: &f64| (f64::from(analytic[i]) - n).abs() < tolerance * (1.0 + n.abs());
                 assert!(numeric.iter().any(agrees), "[{i}]: {} against {numeric:?}", analytic[i]);
             }
+        }
+    }
+
+    #[test]
+    fn the_gradient_by_joint_rotations_agrees_with_finite_differences() {
+        let body = Body::bundled();
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let betas: [f32; BETAS] = std::array::from_fn(|i| 0.4 * (i as f32 * 1.3).sin());
+        let ids = (0..body.model.template.len() as u32).step_by(41).collect();
+        let subset = VertexSubset::of_shape(&body.model, ids, &betas);
+        let mut ws = Workspace::default();
+        let params = BodyParams { betas, ..random_body(&mut rng) };
+        let pose: BodyPose = std::array::from_fn(|_| random_directions(&mut rng, 1)[0]);
+        let at = random_directions(&mut rng, subset.len());
+        let joints_at: [Vec3; JOINTS] = std::array::from_fn(|_| random_directions(&mut rng, 1)[0]);
+        body.forward_posed(&params, &pose, &subset, &mut ws);
+        let vertices: Vec<Vec3> = ws.vertices().iter().zip(&at).map(|(x, a)| (*x - *a) / 100.0).collect();
+        let joints: [Vec3; JOINTS] = std::array::from_fn(|j| ws.joints()[j] - joints_at[j]);
+        let local_pose = *ws.local_pose();
+        let gradients = Gradients { vertices: &vertices, joints: &joints, local_pose: &local_pose };
+        let analytic = body.backward_posed(&subset, &gradients, &ws);
+        let mut value = |params: &BodyParams, pose: &BodyPose| {
+            body.forward_posed(params, pose, &subset, &mut ws);
+            energy(&ws, &at, &joints_at, &ZERO_JOINTS)
+        };
+        let mut check = |what: &str, analytic: f32, moved: &dyn Fn(f32) -> (BodyParams, BodyPose)| {
+            let mut side = |h: f32| {
+                let (params, pose) = moved(h);
+                value(&params, &pose)
+            };
+            let numeric = (8.0 * (side(0.04) - side(-0.04)) - (side(0.08) - side(-0.08))) / 0.48;
+            let error = (f64::from(analytic) - numeric).abs();
+            assert!(error < 3e-3 * (1.0 + numeric.abs()), "{what}: {analytic} against {numeric}");
+        };
+        let turned = |w: Vec3| rotation::matrix_from_axis_angle(w) * params.rotation();
+        let still = analytic.rotation * params.rotation().transpose();
+        let by_turn = rotation::pull_back_axis_angle(Vec3::ZERO, &Mat3::IDENTITY, &still);
+        for (axis, unit) in Vec3::AXES.into_iter().enumerate() {
+            check("translation", analytic.translation[axis], &|h| {
+                (BodyParams { translation: params.translation + unit * h, ..params.clone() }, pose)
+            });
+            check("rotation", by_turn[axis], &|h| {
+                let mut moved = params.clone();
+                moved.set_rotation(&turned(unit * h));
+                (moved, pose)
+            });
+            for joint in 0..BODY_JOINTS {
+                check("pose", analytic.pose[joint][axis], &|h| {
+                    let mut moved = pose;
+                    moved[joint] += unit * h;
+                    (params.clone(), moved)
+                });
+            }
+        }
+        for code in 0..HANDS {
+            check("hands", analytic.hands[code], &|h| {
+                let mut moved = params.clone();
+                moved.hands[code] += h;
+                (moved, pose)
+            });
+        }
+    }
+
+    #[test]
+    fn a_subset_of_one_shape_is_posed_as_the_whole_body_of_that_shape() {
+        let body = Body::bundled();
+        let params = random_body(&mut ChaCha8Rng::seed_from_u64(5));
+        let pose: BodyPose = [Vec3::new(0.1, -0.2, 0.3); BODY_JOINTS];
+        let whole = body.pose_axis_angles(&params, &pose);
+        let subset = VertexSubset::of_shape(&body.model, vec![12_000, 7, 3_977], &params.betas);
+        let mut ws = Workspace::default();
+        body.forward_posed(&params, &pose, &subset, &mut ws);
+        for (vertex, id) in ws.vertices().iter().zip(subset.ids()) {
+            assert!(vertex.distance(whole.vertices[*id as usize]) < 1e-5);
         }
     }
 

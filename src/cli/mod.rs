@@ -8,11 +8,14 @@ mod convert;
 mod corpus;
 mod estimate;
 mod evaluate;
+mod evolve;
 mod figures;
 mod generate;
 mod import;
 mod inspect;
+mod learn;
 mod load;
+mod move_room;
 mod network;
 mod output;
 mod pictures;
@@ -87,8 +90,17 @@ pub struct WindowArguments {
     /// Colour the people by penetration and contact in the picture.
     #[arg(long, requires = "screenshot")]
     pub heat: bool,
-    /// Show this in the picture: `palette`, `shortcuts`, `help`, `import`, `history`, `samples`, `why`, `new-room`
-    /// or `networks`.
+    /// Place a sub-goal at `X,Z` or `X,Z,stand|sit|lie|walk` (metres) and make the motion; once for each sub-goal.
+    #[arg(long, value_name = "GOAL", requires = "screenshot", allow_hyphen_values = true)]
+    pub goal: Vec<String>,
+    /// Show the motion at this time, seconds.
+    #[arg(long, value_name = "S", requires = "goal", default_value_t = 0.0)]
+    pub at: f32,
+    /// Let this many actions happen before the picture is taken.
+    #[arg(long, value_name = "N", requires = "screenshot", default_value_t = 0)]
+    pub actions: usize,
+    /// Show this in the picture: `palette`, `shortcuts`, `help`, `import`, `history`, `samples`, `why`, `new-room`,
+    /// `networks`, `motion`, `actions` or `study`.
     #[arg(long, value_name = "NAME", requires = "screenshot")]
     pub overlay: Option<String>,
     /// Zoom on the selected person.
@@ -109,7 +121,14 @@ pub enum Command {
     Inspect(inspect::InspectArguments),
     /// Put people into a room and write them, a report and pictures.
     Generate(generate::GenerateArguments),
-    /// Learn from data.
+    /// Let somebody walk, sit down, lie and get up in a room, and write the motion.
+    Move(move_room::MoveArguments),
+    /// Let actions happen in a room: people come, things are brought, moved and left about.
+    Evolve(evolve::EvolveArguments),
+    /// Learn statistics of people: actions from annotated photos, poses from clips.
+    #[command(subcommand)]
+    Learn(learn::Learn),
+    /// Train networks on data.
     #[command(subcommand)]
     Train(train::Train),
     /// Say how good something is: tables and pictures.
@@ -173,6 +192,9 @@ pub fn run(command: Command) -> ExitCode {
     let result = match command {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
+        Command::Move(arguments) => move_room::run(&arguments),
+        Command::Evolve(arguments) => evolve::run(&arguments),
+        Command::Learn(subject) => learn::run(&subject),
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
         Command::Stage(arguments) => stage::run(&arguments),

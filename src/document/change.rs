@@ -5,16 +5,51 @@ use std::sync::Arc;
 use glam::Affine3A;
 
 use crate::scene::Category;
+use crate::scene::Clip;
 use crate::scene::Object;
 use crate::scene::ObjectId;
 use crate::scene::Person;
 use crate::scene::Room;
 use crate::scene::Scene;
+use crate::scene::SubGoal;
 
 /// Names a state of the room's solid geometry. Undo brings the earlier name back, so whatever was computed
 /// for that state (ray tree, distance field) is right again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct RoomVersion(pub u64);
+
+/// The numbers that the next person, object and motion get; none is ever given twice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NextIds {
+    /// The next person's.
+    pub person: u32,
+    /// The next object's.
+    pub object: u32,
+    /// The next motion's.
+    pub clip: u32,
+}
+
+impl NextIds {
+    /// Those that follow the largest in `scene`.
+    pub fn after(scene: &Scene) -> Self {
+        let next = |ids: &mut dyn Iterator<Item = u32>| ids.max().map_or(0, |id| id + 1);
+        Self {
+            person: next(&mut scene.people.iter().map(|p| p.id.0)),
+            object: next(&mut scene.room.objects.iter().map(|o| o.id.0)),
+            clip: next(&mut scene.clips.iter().map(|c| c.id.0)),
+        }
+    }
+
+    /// The larger of both, number by number.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            person: self.person.max(other.person),
+            object: self.object.max(other.object),
+            clip: self.clip.max(other.clip),
+        }
+    }
+}
 
 /// A thing and its place in the list that held it.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,13 +105,15 @@ impl ObjectState {
     }
 }
 
-/// A room with the people in it, as one thing that can be exchanged for another.
+/// A room with the people and motions in it, as one thing that can be exchanged for another.
 #[derive(Clone, Debug)]
 pub struct RoomState {
     /// The room; shared, never copied.
     pub room: Arc<Room>,
     /// Who was in it.
     pub people: Vec<Person>,
+    /// The motions in it.
+    pub clips: Vec<Arc<Clip>>,
 }
 
 /// A fact. Applying it and applying its inverse are exact opposites.
@@ -104,6 +141,17 @@ pub enum Change {
     ObjectsAdded(Vec<Numbered<Object>>),
     /// Objects left, in ascending order of index.
     ObjectsRemoved(Vec<Numbered<Object>>),
+    /// Motions came, in ascending order of index.
+    ClipsAdded(Vec<Numbered<Arc<Clip>>>),
+    /// Motions left, in ascending order of index.
+    ClipsRemoved(Vec<Numbered<Arc<Clip>>>),
+    /// Motions with the same ids became others.
+    ClipsReplaced {
+        /// As they were.
+        before: Vec<Arc<Clip>>,
+        /// As they are.
+        after: Vec<Arc<Clip>>,
+    },
     /// Another room was opened.
     RoomReplaced {
         /// What was there.
@@ -128,6 +176,11 @@ impl Change {
             }
             Self::ObjectsAdded(objects) => Self::ObjectsRemoved(objects.clone()),
             Self::ObjectsRemoved(objects) => Self::ObjectsAdded(objects.clone()),
+            Self::ClipsAdded(clips) => Self::ClipsRemoved(clips.clone()),
+            Self::ClipsRemoved(clips) => Self::ClipsAdded(clips.clone()),
+            Self::ClipsReplaced { before, after } => {
+                Self::ClipsReplaced { before: after.clone(), after: before.clone() }
+            }
             Self::RoomReplaced { before, after } => {
                 Self::RoomReplaced { before: after.clone(), after: before.clone() }
             }
@@ -148,9 +201,15 @@ impl Change {
                 let room = Arc::make_mut(&mut scene.room);
                 room.objects.retain(|o| objects.iter().all(|gone| gone.value.id != o.id));
             }
+            Self::ClipsAdded(clips) => insert(&mut scene.clips, clips),
+            Self::ClipsRemoved(clips) => {
+                scene.clips.retain(|c| clips.iter().all(|gone| gone.value.id != c.id));
+            }
+            Self::ClipsReplaced { after, .. } => replace_clips(&mut scene.clips, after),
             Self::RoomReplaced { after, .. } => {
                 scene.room = after.room.clone();
                 scene.people.clone_from(&after.people);
+                scene.clips.clone_from(&after.clips);
             }
         }
     }
@@ -158,7 +217,12 @@ impl Change {
     /// Whether the room's solid geometry differs before and after.
     pub fn touches_geometry(&self) -> bool {
         match self {
-            Self::PeopleAdded(_) | Self::PeopleRemoved(_) | Self::PeopleReplaced { .. } => false,
+            Self::PeopleAdded(_)
+            | Self::PeopleRemoved(_)
+            | Self::PeopleReplaced { .. }
+            | Self::ClipsAdded(_)
+            | Self::ClipsRemoved(_)
+            | Self::ClipsReplaced { .. } => false,
             Self::ObjectsEdited { before, after } => {
                 before.iter().zip(after).any(|(before, after)| before.differs_in_geometry(after))
             }
@@ -175,6 +239,10 @@ impl Change {
             Self::ObjectsAdded(objects) | Self::ObjectsRemoved(objects) => {
                 objects.iter().map(|o| object_bytes(&o.value)).sum()
             }
+            Self::ClipsAdded(clips) | Self::ClipsRemoved(clips) => {
+                clips.iter().map(|clip| clip_bytes(&clip.value)).sum()
+            }
+            Self::ClipsReplaced { before, after } => before.iter().chain(after).map(|c| clip_bytes(c)).sum(),
             Self::RoomReplaced { before, after } => room_bytes(&before.room) + room_bytes(&after.room),
         }
     }
@@ -192,6 +260,22 @@ fn replace_people(people: &mut [Person], after: &[Person]) {
             person.clone_from(new);
         }
     }
+}
+
+fn replace_clips(clips: &mut [Arc<Clip>], after: &[Arc<Clip>]) {
+    for clip in clips {
+        if let Some(new) = after.iter().find(|new| new.id == clip.id) {
+            clip.clone_from(new);
+        }
+    }
+}
+
+fn clip_bytes(clip: &Clip) -> usize {
+    size_of::<Clip>()
+        + size_of_val(&clip.frames[..])
+        + size_of_val(&clip.planted[..])
+        + clip.goals.len() * size_of::<SubGoal>()
+        + size_of_val(&clip.legs[..])
 }
 
 fn edit_objects(room: &mut Room, after: &[ObjectState]) {

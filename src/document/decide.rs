@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
-use super::change::{Change, Numbered, ObjectState, RoomState, RoomVersion};
+use super::change::{Change, NextIds, Numbered, ObjectState, RoomState, RoomVersion};
 use super::command::{Command, Refused};
+use super::decide_clips as clips;
 use crate::scene::BodyParams;
 use crate::scene::Object;
 use crate::scene::ObjectId;
@@ -19,16 +20,18 @@ use crate::scene::Scene;
 pub(super) struct State<'a> {
     pub scene: &'a Scene,
     pub version: RoomVersion,
-    pub next_person: u32,
-    pub next_object: u32,
+    pub next: NextIds,
 }
 
-type Decision = Result<Option<Change>, Refused>;
+pub(super) type Decision = Result<Option<Change>, Refused>;
 
 /// What follows from `command`: a fact, nothing (`None`: all is already so), or a refusal.
 pub(super) fn decide(state: &State, command: Command) -> Decision {
     match command {
         Command::OpenRoom { room } => Ok(Some(open_room(state, room))),
+        Command::ChangeRoom { room, leaving, arriving, made_for, .. } => {
+            change_room(state, room, &leaving, arriving, made_for)
+        }
         Command::AddPeople { people, made_for } => add_people(state, people, made_for),
         Command::ReplacePeople { people, made_for } => replace_people(state, people, made_for),
         Command::RemovePeople(ids) => remove_people(state, &ids),
@@ -49,19 +52,55 @@ pub(super) fn decide(state: &State, command: Command) -> Decision {
         Command::MoveObject(id, world_from_object) => move_object(state, id, world_from_object),
         Command::RemoveObjects(ids) => remove_objects(state, &ids),
         Command::DuplicateObjects(ids, offset_m) => duplicate_objects(state, &ids, offset_m),
+        Command::AddClips { clips, made_for } => clips::add(state, clips, made_for),
+        Command::ReplaceClip { clip, made_for } => clips::replace(state, clip, made_for),
+        Command::RemoveClips(ids) => clips::remove(state, &ids),
+        Command::SetGoals(id, goals) => clips::set_goals(state, id, goals),
+        Command::RenameClip(id, name) => {
+            let name = checked_name(&name)?;
+            clips::edit(state, &[id], |clip| clip.name.clone_from(&name))
+        }
+        Command::SetClipsVisible(ids, shown) => clips::edit(state, &ids, |clip| clip.visible = shown),
+        Command::SetClipsLocked(ids, locked) => clips::edit(state, &ids, |clip| clip.locked = locked),
     }
 }
 
 /// The new room's objects get numbers that no object had before, so that nothing meant for the old room
 /// can ever hit the new one.
 fn open_room(state: &State, mut room: Arc<Room>) -> Change {
-    let before = RoomState { room: state.scene.room.clone(), people: state.scene.people.clone() };
-    if room.objects.iter().any(|o| o.id.0 < state.next_object) {
+    let Scene { room: old, people, clips } = state.scene.clone();
+    let before = RoomState { room: old, people, clips };
+    if room.objects.iter().any(|o| o.id.0 < state.next.object) {
         for (i, object) in Arc::make_mut(&mut room).objects.iter_mut().enumerate() {
-            object.id = ObjectId(state.next_object + i as u32);
+            object.id = ObjectId(state.next.object + i as u32);
         }
     }
-    Change::RoomReplaced { before, after: RoomState { room, people: Vec::new() } }
+    let after = RoomState { room, people: Vec::new(), clips: Vec::new() };
+    Change::RoomReplaced { before, after }
+}
+
+fn change_room(
+    state: &State,
+    room: Arc<Room>,
+    leaving: &[PersonId],
+    arriving: Vec<Person>,
+    made_for: Option<RoomVersion>,
+) -> Decision {
+    same_room(state, made_for)?;
+    let mut seen = BTreeSet::new();
+    if let Some(twice) = room.objects.iter().find(|object| !seen.insert(object.id)) {
+        return Err(Refused::ObjectTwice(twice.id));
+    }
+    if let Some(bad) = room.objects.iter().find(|object| !object.world_from_object.is_finite()) {
+        return Err(Refused::BadTransform(bad.name.clone()));
+    }
+    arriving.iter().try_for_each(finite)?;
+    let Scene { room: old, people, clips } = state.scene.clone();
+    let mut after: Vec<Person> = people.iter().filter(|p| !leaving.contains(&p.id)).cloned().collect();
+    let numbers = (state.next.person..).map(PersonId);
+    after.extend(arriving.into_iter().zip(numbers).map(|(person, id)| Person { id, ..person }));
+    let before = RoomState { room: old, people, clips: clips.clone() };
+    Ok(Some(Change::RoomReplaced { before, after: RoomState { room, people: after, clips } }))
 }
 
 fn add_people(state: &State, people: Vec<Person>, made_for: Option<RoomVersion>) -> Decision {
@@ -70,7 +109,7 @@ fn add_people(state: &State, people: Vec<Person>, made_for: Option<RoomVersion>)
     let mut added = Vec::with_capacity(people.len());
     for (i, mut person) in people.into_iter().enumerate() {
         finite(&person)?;
-        person.id = PersonId(state.next_person + i as u32);
+        person.id = PersonId(state.next.person + i as u32);
         added.push(Numbered { index: first + i, value: person });
     }
     Ok((!added.is_empty()).then_some(Change::PeopleAdded(added)))
@@ -157,7 +196,7 @@ fn duplicate_objects(state: &State, ids: &[ObjectId], offset_m: Vec3) -> Decisio
         .enumerate()
         .map(|(i, object)| {
             let mut copy = object.clone();
-            copy.id = ObjectId(state.next_object + i as u32);
+            copy.id = ObjectId(state.next.object + i as u32);
             copy.name = format!("{} copy", object.name);
             copy.locked = false;
             copy.world_from_object = Affine3A::from_translation(offset_m) * object.world_from_object;
@@ -167,7 +206,7 @@ fn duplicate_objects(state: &State, ids: &[ObjectId], offset_m: Vec3) -> Decisio
     Ok((!copies.is_empty()).then_some(Change::ObjectsAdded(copies)))
 }
 
-fn numbered<T: Clone>(list: &[T], which: impl Fn(&T) -> bool) -> Vec<Numbered<T>> {
+pub(super) fn numbered<T: Clone>(list: &[T], which: impl Fn(&T) -> bool) -> Vec<Numbered<T>> {
     let mut found = Vec::new();
     for (index, value) in list.iter().enumerate() {
         if which(value) {
@@ -191,7 +230,7 @@ fn objects_by_id<'a>(scene: &'a Scene, ids: &[ObjectId]) -> Result<Vec<&'a Objec
     once.map(|id| scene.room.object(*id).ok_or(Refused::NoSuchObject(*id))).collect()
 }
 
-fn same_room(state: &State, made_for: Option<RoomVersion>) -> Result<(), Refused> {
+pub(super) fn same_room(state: &State, made_for: Option<RoomVersion>) -> Result<(), Refused> {
     match made_for {
         Some(version) if version != state.version => Err(Refused::RoomChanged),
         _ => Ok(()),

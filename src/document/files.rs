@@ -1,4 +1,4 @@
-//! Projects on disk: a folder (`project.ron` and `room.glb` beside it) or one archive (`.inhabit`, both in a
+//! Projects on disk: a folder (`project.ron`, `room.glb` and `motions.npz` beside it) or one archive (`.inhabit`, all in a
 //! ZIP). A save either happens whole or not at all.
 
 use std::fs::File;
@@ -17,10 +17,14 @@ use crate::assets::read_model_bytes;
 const TEXT_LIMIT: u64 = 256 << 20;
 /// Most bytes of a room in an archive, unpacked.
 const ROOM_LIMIT: u64 = 4 << 30;
+/// Most bytes of the motions in a project, packed: days of motion.
+const MOTIONS_LIMIT: u64 = 1 << 30;
 /// Name of the text in an archive.
 const TEXT_NAME: &str = "project.ron";
 /// Name of the meshes in an archive and beside `project.ron`.
 const ROOM_NAME: &str = "room.glb";
+/// Name of the motions' frames in an archive and beside `project.ron`.
+const MOTIONS_NAME: &str = "motions.npz";
 
 /// Why a project could not be saved or opened: which file, where in it, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -105,11 +109,11 @@ pub enum ProjectError {
         /// What is wrong.
         problem: String,
     },
-    /// The meshes' file is named by a path.
+    /// The file of meshes or motions is named by a path.
     #[error(
-        "{file} names \"{name}\" as its room, which is not a plain file name. Put the room beside the project and name it without a folder."
+        "{file} names \"{name}\" as one of its files, which is not a plain file name. Put that file beside the project and name it without a folder."
     )]
-    RoomPath {
+    FilePath {
         /// The project.
         file: String,
         /// The name in it.
@@ -135,6 +139,22 @@ pub enum ProjectError {
         /// Meshes in the room file.
         found: usize,
     },
+    /// The motions can't be read, or are not those that were saved.
+    #[error("the motions of {file}: {problem}. Bring the file back that was saved with it.")]
+    Motions {
+        /// The project.
+        file: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A study without anything to be rated.
+    #[error(
+        "{folder} has nothing to be rated. Make a folder for each method in it, and in these put projects or rooms, by the same names for the same tasks."
+    )]
+    NothingToRate {
+        /// The folder.
+        folder: String,
+    },
     /// A person can't be.
     #[error("{file}: the person \"{person}\" {problem}. Remove or mend that entry.")]
     Person {
@@ -157,26 +177,34 @@ pub struct LoadedProject {
 }
 
 /// Saves `project`: as one archive under a name that ends in `.inhabit`, otherwise as RON with the room's
-/// meshes in a GLB beside it (`room.glb` for `project.ron`, `NAME.room.glb` for `NAME.ron`). Files are
-/// replaced whole or not at all.
+/// meshes in a GLB and the motions' frames, if there are motions, in an archive beside it (`room.glb` and
+/// `motions.npz` for `project.ron`, `NAME.room.glb` and so on for `NAME.ron`). Files are replaced whole or not at all.
 ///
 /// # Errors
 /// [`ProjectError`] names the file and the remedy; what was there before is still there.
 pub fn save_project(path: &Path, project: &Project) -> Result<(), ProjectError> {
-    let room_name = room_name(path);
-    let room_file = if is_archive(path) { ROOM_NAME } else { room_name.as_str() };
-    let written = project::write(project, room_file)
+    let (room_name, motions_name) = if is_archive(path) {
+        (ROOM_NAME.to_owned(), MOTIONS_NAME.to_owned())
+    } else {
+        (name_beside(path, ROOM_NAME), name_beside(path, MOTIONS_NAME))
+    };
+    let written = project::write(project, &room_name, &motions_name)
         .map_err(|problem| ProjectError::Content { file: shown(path), problem })?;
     if is_archive(path) {
         let bytes = pack(&written).map_err(|source| ProjectError::Write { file: shown(path), source })?;
         return replace(path, &bytes);
     }
-    let room_path = path.with_file_name(&room_name);
-    let unchanged = std::fs::read(&room_path).is_ok_and(|old| old == written.glb);
-    if !unchanged {
-        replace(&room_path, &written.glb)?;
+    replace_if_other(&path.with_file_name(&room_name), &written.glb)?;
+    if let Some(motions) = &written.motions {
+        replace_if_other(&path.with_file_name(&motions_name), motions)?;
     }
     replace(path, written.text.as_bytes())
+}
+
+/// Leaves a file alone that holds these bytes already.
+fn replace_if_other(path: &Path, bytes: &[u8]) -> Result<(), ProjectError> {
+    let unchanged = std::fs::read(path).is_ok_and(|old| old == bytes);
+    if unchanged { Ok(()) } else { replace(path, bytes) }
 }
 
 /// Opens what [`save_project`] wrote; every number comes back bit by bit.
@@ -185,14 +213,14 @@ pub fn save_project(path: &Path, project: &Project) -> Result<(), ProjectError> 
 /// [`ProjectError`] names the file, the place in it and the remedy.
 pub fn load_project(path: &Path) -> Result<LoadedProject, ProjectError> {
     let file = shown(path);
-    let (text, glb) = if is_archive(path) { unpack(path)? } else { read_folder(path)? };
+    let Parts { text, glb, motions } = if is_archive(path) { unpack(path)? } else { read_folder(path)? };
     let mut notes = Vec::new();
     if project::hash_text(&glb) != text.room.content_hash {
         notes.push(format!("The room file {} was changed after the project was saved.", text.room.file));
     }
     let model = read_model_bytes(&text.room.file, &glb, &Budget::default())
         .map_err(|source| ProjectError::Room { file: file.clone(), source })?;
-    let project = project::assemble(text, model, &file)?;
+    let project = project::assemble(text, model, motions.as_deref(), &file)?;
     Ok(LoadedProject { project, notes })
 }
 
@@ -201,24 +229,34 @@ fn is_archive(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("inhabit"))
 }
 
-/// The name of the meshes' file beside the text.
-fn room_name(path: &Path) -> String {
+/// The name of a file of the project beside the text.
+fn name_beside(path: &Path, name: &str) -> String {
     match path.file_stem().map(|s| s.to_string_lossy().into_owned()) {
-        Some(stem) if stem != "project" => format!("{stem}.{ROOM_NAME}"),
-        _ => ROOM_NAME.to_owned(),
+        Some(stem) if stem != "project" => format!("{stem}.{name}"),
+        _ => name.to_owned(),
     }
 }
 
-fn read_folder(path: &Path) -> Result<(ProjectText, Vec<u8>), ProjectError> {
+/// What a project is made of, read but not understood.
+struct Parts {
+    text: ProjectText,
+    glb: Vec<u8>,
+    motions: Option<Vec<u8>>,
+}
+
+fn read_folder(path: &Path) -> Result<Parts, ProjectError> {
     let file = shown(path);
     let bytes = read_limited(path, TEXT_LIMIT)?;
     let text = project::parse(&utf8(bytes, &file)?, &file)?;
-    let name = &text.room.file;
-    if Path::new(name).file_name().is_none_or(|plain| plain.to_string_lossy() != *name) {
-        return Err(ProjectError::RoomPath { file, name: name.clone() });
-    }
-    let glb = read_limited(&path.with_file_name(name), ROOM_LIMIT)?;
-    Ok((text, glb))
+    let beside = |name: &String, limit: u64| {
+        if Path::new(name).file_name().is_none_or(|plain| plain.to_string_lossy() != *name) {
+            return Err(ProjectError::FilePath { file: file.clone(), name: name.clone() });
+        }
+        read_limited(&path.with_file_name(name), limit)
+    };
+    let glb = beside(&text.room.file, ROOM_LIMIT)?;
+    let motions = text.motions.as_ref().map(|m| beside(&m.file, MOTIONS_LIMIT)).transpose()?;
+    Ok(Parts { text, glb, motions })
 }
 
 fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, ProjectError> {
@@ -245,7 +283,7 @@ fn utf8(bytes: Vec<u8>, file: &str) -> Result<String, ProjectError> {
     })
 }
 
-fn unpack(path: &Path) -> Result<(ProjectText, Vec<u8>), ProjectError> {
+fn unpack(path: &Path) -> Result<Parts, ProjectError> {
     let file = shown(path);
     let opened = File::open(path).map_err(|source| ProjectError::Read { file: file.clone(), source })?;
     let damaged = |place: &str, problem: String| ProjectError::Archive {
@@ -256,9 +294,10 @@ fn unpack(path: &Path) -> Result<(ProjectText, Vec<u8>), ProjectError> {
     let mut archive = ZipArchive::new(opened).map_err(|e| damaged("the archive", e.to_string()))?;
     let text = entry(&mut archive, TEXT_NAME, TEXT_LIMIT).map_err(|e| damaged(TEXT_NAME, e))?;
     let text = project::parse(&utf8(text, &file)?, &file)?;
-    let name = text.room.file.clone();
-    let glb = entry(&mut archive, &name, ROOM_LIMIT).map_err(|e| damaged(&name, e))?;
-    Ok((text, glb))
+    let mut packed = |name: &str, limit| entry(&mut archive, name, limit).map_err(|e| damaged(name, e));
+    let glb = packed(&text.room.file, ROOM_LIMIT)?;
+    let motions = text.motions.as_ref().map(|m| packed(&m.file, MOTIONS_LIMIT)).transpose()?;
+    Ok(Parts { text, glb, motions })
 }
 
 /// One file of the archive, unpacked no further than `limit`.
@@ -273,7 +312,9 @@ fn pack(written: &Written) -> std::io::Result<Vec<u8>> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .large_file(written.glb.len() as u64 >= u64::from(u32::MAX));
-    for (name, bytes) in [(TEXT_NAME, written.text.as_bytes()), (ROOM_NAME, &written.glb)] {
+    let motions = written.motions.as_ref().map(|bytes| (MOTIONS_NAME, bytes.as_slice()));
+    let files = [(TEXT_NAME, written.text.as_bytes()), (ROOM_NAME, &written.glb)];
+    for (name, bytes) in files.into_iter().chain(motions) {
         zip.start_file(name, options)?;
         zip.write_all(bytes)?;
     }

@@ -3,9 +3,10 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::change::{Change, RoomVersion};
+use super::change::{Change, NextIds, RoomVersion};
 use super::command::{Command, Refused};
 use super::decide::{State, decide};
+use super::project::Project;
 use crate::scene::Room;
 use crate::scene::Scene;
 
@@ -36,8 +37,7 @@ pub struct Document {
     revision: u64,
     version: RoomVersion,
     next_version: u64,
-    next_person: u32,
-    next_object: u32,
+    next: NextIds,
     next_serial: u64,
     past: VecDeque<Step>,
     future: Vec<Step>,
@@ -62,8 +62,7 @@ impl Document {
             revision: 0,
             version: RoomVersion(0),
             next_version: 1,
-            next_person: 0,
-            next_object: 0,
+            next: NextIds::default(),
             next_serial: 1,
             past: VecDeque::new(),
             future: Vec::new(),
@@ -104,19 +103,28 @@ impl Document {
 
     /// The id number that the next person will get; ids are never used again.
     pub fn next_person(&self) -> u32 {
-        self.next_person
+        self.next.person
     }
 
     /// The same for objects.
     pub fn next_object(&self) -> u32 {
-        self.next_object
+        self.next.object
     }
 
-    /// Keeps ids below these numbers from being given again: for a reopened project, whose removed people
-    /// and objects keep their ids.
-    pub fn reserve_ids(&mut self, next_person: u32, next_object: u32) {
-        self.next_person = self.next_person.max(next_person);
-        self.next_object = self.next_object.max(next_object);
+    /// The same for motions.
+    pub fn next_clip(&self) -> u32 {
+        self.next.clip
+    }
+
+    /// Keeps ids below these numbers from being given again: for a reopened project, whose removed people,
+    /// objects and motions keep their ids.
+    pub fn reserve_ids(&mut self, next: NextIds) {
+        self.next = self.next.max(next);
+    }
+
+    /// What a file keeps of it.
+    pub fn project(&self) -> Project {
+        Project { scene: self.scene.clone(), next: self.next }
     }
 
     /// Does what `command` asks for, as one undo step (or as part of the open gesture).
@@ -126,12 +134,7 @@ impl Document {
     /// [`Refused`] says why; nothing has changed then.
     pub fn apply(&mut self, command: Command) -> Result<Option<&Change>, Refused> {
         let label = command.label();
-        let state = State {
-            scene: &self.scene,
-            version: self.version,
-            next_person: self.next_person,
-            next_object: self.next_object,
-        };
+        let state = State { scene: &self.scene, version: self.version, next: self.next };
         let Some(change) = decide(&state, command)? else { return Ok(None) };
         let version_before = self.version;
         self.evolve(&change);
@@ -265,9 +268,7 @@ impl Document {
     }
 
     fn raise_ids(&mut self) {
-        let person = self.scene.people.iter().map(|p| p.id.0 + 1).max().unwrap_or(0);
-        let object = self.scene.room.objects.iter().map(|o| o.id.0 + 1).max().unwrap_or(0);
-        self.reserve_ids(person, object);
+        self.reserve_ids(NextIds::after(&self.scene));
     }
 
     /// Appends a step and forgets the oldest ones beyond the bound, never the new one.
@@ -296,6 +297,13 @@ fn add_merged(changes: &mut Vec<Change>, change: Change) {
         (
             Some(Change::ObjectsEdited { before: first, after: last }),
             Change::ObjectsEdited { before, after },
+        ) if last == before => {
+            last.clone_from(after);
+            Some(first == last)
+        }
+        (
+            Some(Change::ClipsReplaced { before: first, after: last }),
+            Change::ClipsReplaced { before, after },
         ) if last == before => {
             last.clone_from(after);
             Some(first == last)

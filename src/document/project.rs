@@ -8,6 +8,8 @@ use std::sync::Arc;
 use glam::{Affine3A, Mat3A, Vec3A};
 use serde::{Deserialize, Serialize};
 
+use super::change::NextIds;
+use super::clips::{self, MotionsText};
 use super::files::ProjectError;
 use crate::assets::GlbWriteError;
 use crate::assets::Model;
@@ -25,26 +27,24 @@ use crate::scene::model_from_room;
 /// What stands at the head of every project file.
 const FORMAT: &str = "inhabit project";
 /// Raised whenever an older program could no longer read what is written.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// What projects without motions have: every program can read them.
+const WITHOUT_MOTIONS: u32 = 1;
 
 /// A scene and the numbers that its ids are taken from.
 #[derive(Clone, Debug, Default)]
 pub struct Project {
-    /// Room and people.
+    /// Room, people and motions.
     pub scene: Scene,
-    /// The id number that the next person gets.
-    pub next_person: u32,
-    /// The id number that the next object gets.
-    pub next_object: u32,
+    /// The numbers that the next ones get.
+    pub next: NextIds,
 }
 
 impl Project {
     /// A project of a scene that no document ever changed: the next ids follow the largest ones in it.
     pub fn of_scene(scene: Scene) -> Self {
-        let after = |ids: &mut dyn Iterator<Item = u32>| ids.max().map_or(0, |id| id + 1);
-        let next_person = after(&mut scene.people.iter().map(|p| p.id.0));
-        let next_object = after(&mut scene.room.objects.iter().map(|o| o.id.0));
-        Self { scene, next_person, next_object }
+        let next = NextIds::after(&scene);
+        Self { scene, next }
     }
 }
 
@@ -57,8 +57,13 @@ pub(super) struct ProjectText {
     pub room: RoomText,
     objects: Vec<ObjectText>,
     people: Vec<Person>,
+    /// Missing in projects of programs that knew no motions.
+    #[serde(default)]
+    pub motions: Option<MotionsText>,
     next_person: u32,
     next_object: u32,
+    #[serde(default)]
+    next_clip: u32,
 }
 
 /// Where the meshes are.
@@ -86,24 +91,30 @@ struct ObjectText {
 pub(super) struct Written {
     pub text: String,
     pub glb: Vec<u8>,
+    /// The motions' frames, if there are motions.
+    pub motions: Option<Vec<u8>>,
 }
 
-/// Turns a project into text and meshes; the text names the meshes' file as `room_file`.
-pub(super) fn write(project: &Project, room_file: &str) -> Result<Written, WriteProblem> {
+/// Turns a project into text, meshes and frames; the text names their files as given.
+pub(super) fn write(project: &Project, room_file: &str, motions_file: &str) -> Result<Written, WriteProblem> {
     let room = in_glb_order(&project.scene.room);
     let glb = glb_from_model(&model_from_room(&room))?;
+    let has_motions = !project.scene.clips.is_empty();
+    let motions = has_motions.then(|| clips::write(&project.scene.clips)).transpose()?;
     let text = ProjectText {
         format: FORMAT.to_owned(),
-        version: VERSION,
+        version: if has_motions { VERSION } else { WITHOUT_MOTIONS },
         program: env!("CARGO_PKG_VERSION").to_owned(),
         room: RoomText { name: room.name.clone(), file: room_file.to_owned(), content_hash: hash_text(&glb) },
         objects: room.objects.iter().map(object_text).collect(),
         people: project.scene.people.clone(),
-        next_person: project.next_person,
-        next_object: project.next_object,
+        motions: has_motions.then(|| MotionsText::of(&project.scene.clips, motions_file)),
+        next_person: project.next.person,
+        next_object: project.next.object,
+        next_clip: project.next.clip,
     };
     let pretty = ron::ser::PrettyConfig::new().compact_arrays(true);
-    Ok(Written { text: ron::ser::to_string_pretty(&text, pretty)?, glb })
+    Ok(Written { text: ron::ser::to_string_pretty(&text, pretty)?, glb, motions })
 }
 
 /// Why a project could not be turned into bytes.
@@ -115,6 +126,9 @@ pub enum WriteProblem {
     /// The text.
     #[error("the text can't be written: {0}")]
     Ron(#[from] ron::Error),
+    /// The motions' frames.
+    #[error("the motions can't be written: {0}")]
+    Motions(#[from] std::io::Error),
 }
 
 /// Reads the text; checks only that it is a project of a version that is known.
@@ -135,8 +149,13 @@ pub(super) fn parse(text: &str, file: &str) -> Result<ProjectText, ProjectError>
     Ok(project)
 }
 
-/// Puts text and meshes together again.
-pub(super) fn assemble(text: ProjectText, model: Model, file: &str) -> Result<Project, ProjectError> {
+/// Puts text, meshes and frames together again; `motions` are the bytes of the file that the text names.
+pub(super) fn assemble(
+    text: ProjectText,
+    model: Model,
+    motions: Option<&[u8]>,
+    file: &str,
+) -> Result<Project, ProjectError> {
     let expected = text.objects.iter().map(|o| o.object_from_mesh.len()).sum();
     let found = model.parts.len();
     if expected != found {
@@ -169,11 +188,12 @@ pub(super) fn assemble(text: ProjectText, model: Model, file: &str) -> Result<Pr
     };
     let people = text.people;
     check_people(&people, file)?;
-    Ok(Project {
-        scene: Scene { room: Arc::new(room), people, clips: Vec::new() },
-        next_person: text.next_person,
-        next_object: text.next_object,
-    })
+    let clips = match text.motions.zip(motions) {
+        Some((text, bytes)) => clips::read(text, bytes, file)?,
+        None => Vec::new(),
+    };
+    let next = NextIds { person: text.next_person, object: text.next_object, clip: text.next_clip };
+    Ok(Project { scene: Scene { room: Arc::new(room), people, clips }, next })
 }
 
 fn check_people(people: &[Person], file: &str) -> Result<(), ProjectError> {

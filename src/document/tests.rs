@@ -9,7 +9,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::assets::{Material, Mesh};
 use crate::scene::{
-    BodyParams, Category, Object, ObjectId, ObjectPart, Person, PersonId, PoseFamily, Room, Scene,
+    BodyParams, Category, Clip, ClipId, Frame, GoalPose, Leg, Object, ObjectId, ObjectPart, Person, PersonId,
+    PoseFamily, Room, Scene, SubGoal, SubGoalId,
 };
 
 fn person(name: &str) -> Person {
@@ -99,6 +100,9 @@ impl User {
         assert_eq!(objects.len(), scene.room.objects.len(), "two objects share an id");
         assert!(people.iter().all(|id| *id < self.document.next_person()));
         assert!(objects.iter().all(|id| *id < self.document.next_object()));
+        let clips: BTreeSet<u32> = scene.clips.iter().map(|c| c.id.0).collect();
+        assert_eq!(clips.len(), scene.clips.len(), "two motions share an id");
+        assert!(clips.iter().all(|id| *id < self.document.next_clip()));
         self.people_seen.extend(people);
     }
 
@@ -119,7 +123,158 @@ fn snapshot(scene: &Scene) -> String {
     let objects: Vec<_> = scene.room.objects.iter().map(ObjectState::of).collect();
     let bits: Vec<Vec<u32>> =
         scene.people.iter().map(|p| p.body.to_vector().iter().map(|x| x.to_bits()).collect()).collect();
-    format!("{} {objects:?} {:?} {bits:?}", scene.room.name, scene.people)
+    format!("{} {objects:?} {:?} {bits:?} {:?}", scene.room.name, scene.people, scene.clips)
+}
+
+fn goal(id: u32, x: f32) -> SubGoal {
+    SubGoal {
+        id: SubGoalId(id),
+        at: Vec3::new(x, 0.0, 0.5),
+        facing: Some(0.1),
+        pose: GoalPose::Stand,
+        stay_s: 0.0,
+        planned: false,
+        locked: false,
+        body: None,
+    }
+}
+
+fn leg(from: u32, to: u32, first: usize) -> Leg {
+    Leg { from: SubGoalId(from), to: SubGoalId(to), first, last: first + 10, key: 77 + u64::from(from) }
+}
+
+/// From sub-goal 0 over 1 and 2 to 3, ten frames a leg, with numbers that are awkward to write down.
+fn walk(name: &str) -> Clip {
+    let frame = |i: usize| Frame {
+        translation: Vec3::new(0.1 * i as f32, -0.0, 1.0 / 3.0),
+        hands: [f32::MIN_POSITIVE / 8.0; crate::scene::HANDS],
+        ..Frame::default()
+    };
+    Clip {
+        name: name.to_owned(),
+        frames: (0..31).map(frame).collect(),
+        planted: (0..31).map(|i| [i % 2 == 0, i % 3 == 0]).collect(),
+        goals: (0..4).map(|i| goal(i, i as f32)).collect(),
+        legs: (0..3).map(|i| leg(i, i + 1, 10 * i as usize)).collect(),
+        seed: 5,
+        ..Clip::default()
+    }
+}
+
+impl User {
+    fn adds_a_walk(&mut self, name: &str) -> ClipId {
+        let id = ClipId(self.document.next_clip());
+        self.does(Command::AddClips { clips: vec![walk(name)], made_for: None }).unwrap();
+        id
+    }
+
+    fn keys(&self, id: ClipId) -> Vec<u64> {
+        self.document.scene().clip(id).unwrap().legs.iter().map(|leg| leg.key).collect()
+    }
+}
+
+#[test]
+fn moving_one_sub_goal_leaves_all_but_its_two_legs_as_they_are() {
+    let mut user = User::opens_the_study();
+    let id = user.adds_a_walk("Ada");
+    let mut goals = walk("Ada").goals;
+    goals[2].at.z += 0.25;
+    user.does(Command::SetGoals(id, goals.clone())).unwrap();
+    assert_eq!(user.keys(id), [77, 0, 0], "the leg between the first two stays");
+    goals[2].locked = true;
+    user.document.undo();
+    let mut locked = walk("Ada").goals;
+    locked[1].locked = true;
+    user.does(Command::SetGoals(id, locked)).unwrap();
+    assert_eq!(user.keys(id), [77, 78, 79], "a lock is no other way");
+}
+
+#[test]
+fn a_sub_goal_put_in_between_or_taken_out_makes_the_legs_around_it_anew() {
+    let mut user = User::opens_the_study();
+    let id = user.adds_a_walk("Ada");
+    let mut goals = walk("Ada").goals;
+    goals.insert(1, goal(9, 0.5));
+    user.does(Command::SetGoals(id, goals)).unwrap();
+    assert_eq!(user.keys(id), [0, 78, 79]);
+    user.document.undo();
+    let mut goals = walk("Ada").goals;
+    goals.remove(3);
+    user.does(Command::SetGoals(id, goals)).unwrap();
+    assert_eq!(user.keys(id), [77, 78, 0]);
+}
+
+#[test]
+fn a_drag_of_a_sub_goal_is_one_step() {
+    let mut user = User::opens_the_study();
+    let id = user.adds_a_walk("Ada");
+    user.document.begin("Move sub-goal");
+    for i in 0..50 {
+        let mut goals = walk("Ada").goals;
+        goals[1].at.x += i as f32 * 0.01;
+        user.does(Command::SetGoals(id, goals)).unwrap();
+    }
+    user.document.commit();
+    assert_eq!(user.document.past_labels().collect::<Vec<_>>(), ["Add motion", "Move sub-goal"]);
+    user.document.undo();
+    assert_eq!(user.document.scene().clip(id).unwrap().goals, walk("Ada").goals);
+}
+
+#[test]
+fn a_motion_that_was_removed_or_locked_meanwhile_is_not_brought_back_or_changed() {
+    let mut user = User::opens_the_study();
+    let (first, second) = (user.adds_a_walk("Ada"), user.adds_a_walk("Bo"));
+    let again = |id| Command::ReplaceClip { clip: Clip { id, seed: 6, ..walk("again") }, made_for: None };
+    user.does(Command::SetClipsLocked(vec![second], true)).unwrap();
+    assert_eq!(user.does(again(second)), Err(Refused::Locked("Bo".to_owned())));
+    assert_eq!(user.does(Command::RemoveClips(vec![second])), Err(Refused::Locked("Bo".to_owned())));
+    user.does(Command::RemoveClips(vec![first])).unwrap();
+    assert_eq!(user.does(again(first)), Err(Refused::NoSuchClip(first)));
+    let third = user.adds_a_walk("Cleo");
+    assert!(third != first && third != second, "an id is never given again");
+}
+
+#[test]
+fn a_motion_made_for_a_room_that_has_changed_is_refused() {
+    let mut user = User::opens_the_study();
+    let made_for = Some(user.document.room_version());
+    user.does(Command::MoveObject(ObjectId(1), Affine3A::from_translation(Vec3::X))).unwrap();
+    let refused = user.does(Command::AddClips { clips: vec![walk("Ada")], made_for });
+    assert_eq!(refused, Err(Refused::RoomChanged));
+}
+
+#[test]
+fn another_room_takes_the_motions_along_and_undo_brings_them_back() {
+    let mut user = User::opens_the_study();
+    let id = user.adds_a_walk("Ada");
+    user.does(Command::OpenRoom { room: room() }).unwrap();
+    assert!(user.document.scene().clips.is_empty());
+    user.document.undo();
+    assert!(user.document.scene().clip(id).is_some());
+}
+
+#[test]
+fn numbers_that_are_none_and_sub_goals_of_one_name_never_enter_a_motion() {
+    let mut user = User::opens_the_study();
+    let id = user.adds_a_walk("Ada");
+    let mut goals = walk("Ada").goals;
+    goals[3].id = SubGoalId(0);
+    assert_eq!(user.does(Command::SetGoals(id, goals)), Err(Refused::GoalTwice("Ada".to_owned())));
+    let mut clip = walk("Bo");
+    clip.frames[30].pose[4].y = f32::NAN;
+    let refused = user.does(Command::AddClips { clips: vec![clip], made_for: None });
+    assert_eq!(refused, Err(Refused::NotFinite("Bo".to_owned())));
+}
+
+#[test]
+fn long_motions_count_in_what_the_history_keeps() {
+    let mut document = Document::of_room(room()).with_history_bytes(200_000);
+    for i in 0..40 {
+        let clips = vec![walk(&format!("W{i}"))];
+        document.apply(Command::AddClips { clips, made_for: None }).unwrap();
+    }
+    let remembered = document.past_labels().count();
+    assert!((10..40).contains(&remembered), "{remembered}");
 }
 
 #[test]
@@ -256,6 +411,33 @@ fn opening_another_room_can_be_undone_and_its_objects_have_new_ids() {
 }
 
 #[test]
+fn an_action_changes_room_and_people_in_one_step_and_what_stays_keeps_its_number() {
+    let mut user = User::opens_the_study();
+    let ids = user.adds(&["Ada", "Bo"]);
+    let made_for = Some(user.document.room_version());
+    let mut lived = user.document.scene().room.as_ref().clone();
+    lived.objects.push(object(2, "Book", Category::Chair));
+    let lived = Arc::new(lived);
+    let read = |room: &Arc<Room>, made_for| Command::ChangeRoom {
+        label: "read book on sofa".to_owned(),
+        room: room.clone(),
+        leaving: vec![ids[0]],
+        arriving: vec![person("Cleo")],
+        made_for,
+    };
+    user.does(read(&lived, made_for)).unwrap();
+    assert_eq!(user.names(), ["Bo", "Cleo"]);
+    assert_eq!(user.document.scene().room.objects.len(), 3);
+    assert_eq!(user.document.past_labels().last(), Some("read book on sofa"));
+    assert_eq!(user.does(read(&lived, made_for)), Err(Refused::RoomChanged));
+    user.document.undo();
+    assert_eq!((user.names(), user.document.room_version()), (vec!["Ada", "Bo"], made_for.unwrap()));
+    let mut twice = lived.as_ref().clone();
+    twice.objects[2].id = ObjectId(0);
+    assert_eq!(user.does(read(&Arc::new(twice), None)), Err(Refused::ObjectTwice(ObjectId(0))));
+}
+
+#[test]
 fn copies_share_their_mesh() {
     let mut user = User::opens_the_study();
     user.does(Command::DuplicateObjects(vec![ObjectId(1)], Vec3::X)).unwrap();
@@ -317,6 +499,11 @@ fn any_command() -> impl Strategy<Value = Command> {
         object_ids().prop_map(Command::RemoveObjects),
         (object_ids(), offset()).prop_map(|(ids, at)| Command::DuplicateObjects(ids, at)),
         Just(Command::OpenRoom { room: room() }),
+        Just(Command::AddClips { clips: vec![walk("New")], made_for: None }),
+        (0u32..4).prop_map(|id| Command::RemoveClips(vec![ClipId(id)])),
+        ((0u32..4), -2.0f32..2.0)
+            .prop_map(|(id, x)| Command::SetGoals(ClipId(id), vec![goal(0, x), goal(2, 1.0)])),
+        ((0u32..4), any::<bool>()).prop_map(|(id, on)| Command::SetClipsLocked(vec![ClipId(id)], on)),
     ]
 }
 
@@ -397,13 +584,12 @@ fn project() -> Project {
     room.objects[1].parts.push(first);
     Project {
         scene: Scene { room: Arc::new(room), people: vec![awkward(3), awkward(8)], clips: Vec::new() },
-        next_person: 12,
-        next_object: 40,
+        next: NextIds { person: 12, object: 40, clip: 9 },
     }
 }
 
 fn bits_of(project: &Project) -> String {
-    format!("{} {} {}", snapshot(&project.scene), project.next_person, project.next_object)
+    format!("{} {} {}", snapshot(&project.scene), project.next.person, project.next.object)
 }
 
 #[test]
@@ -424,6 +610,46 @@ fn a_saved_project_opens_again_bit_by_bit() {
         std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     let expected = ["all.inhabit", "other.ron", "other.room.glb", "project.ron", "room.glb"];
     assert_eq!(names, expected.map(str::to_owned).into(), "no temporary file is left");
+}
+
+#[test]
+fn motions_open_again_bit_by_bit_and_stand_beside_the_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut saved = project();
+    let mut plan = Clip { id: ClipId(7), ..walk("plan") };
+    plan.frames.clear();
+    plan.planted.clear();
+    plan.legs.clear();
+    saved.scene.clips = vec![Arc::new(Clip { id: ClipId(3), locked: true, ..walk("Ada") }), Arc::new(plan)];
+    for name in ["project.ron", "other.ron", "all.inhabit"] {
+        let path = folder.path().join(name);
+        save_project(&path, &saved).unwrap();
+        let loaded = load_project(&path).unwrap().project;
+        assert_eq!(bits_of(&loaded), bits_of(&saved), "{name}");
+        assert_eq!(loaded.next, saved.next);
+        assert!(loaded.scene.clips[0].frames[0].translation.y.is_sign_negative(), "minus zero stays so");
+    }
+    let text = std::fs::read_to_string(folder.path().join("project.ron")).unwrap();
+    assert!(text.len() < 12_000, "there are frames in {} letters of text", text.len());
+    std::fs::remove_file(folder.path().join("motions.npz")).unwrap();
+    let said = load_project(&folder.path().join("project.ron")).unwrap_err().to_string();
+    assert!(said.contains("motions.npz"), "{said}");
+    std::fs::copy(folder.path().join("room.glb"), folder.path().join("motions.npz")).unwrap();
+    let said = load_project(&folder.path().join("project.ron")).unwrap_err().to_string();
+    assert!(said.contains("the motions of"), "{said}");
+}
+
+#[test]
+fn a_project_of_a_program_that_knew_no_motions_opens() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("project.ron");
+    save_project(&path, &project()).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains("version: 1"), "without motions every program can read it");
+    let older: String =
+        text.lines().filter(|l| !l.contains("motions:") && !l.contains("next_clip:")).collect();
+    std::fs::write(&path, older).unwrap();
+    assert_eq!(bits_of(&load_project(&path).unwrap().project), bits_of(&project()));
 }
 
 #[test]
@@ -501,7 +727,7 @@ fn settings_survive_a_restart_and_a_broken_file_is_no_reason_to_fail() {
 fn a_project_of_a_bare_scene_never_gives_a_number_twice() {
     let scene = project().scene;
     let project = Project::of_scene(scene);
-    assert_eq!((project.next_person, project.next_object), (9, 2));
+    assert_eq!(project.next, NextIds { person: 9, object: 2, clip: 0 });
     let empty = Project::of_scene(Scene::default());
-    assert_eq!((empty.next_person, empty.next_object), (0, 0));
+    assert_eq!(empty.next, NextIds::default());
 }

@@ -26,10 +26,14 @@ pub enum Term {
     JointLimits,
     /// Weight beside the feet.
     Balance,
+    /// Uneven motion.
+    Smoothness,
+    /// Planted feet off their places.
+    Feet,
 }
 
 /// Every term, in the order of [`Energy::terms`].
-pub const TERMS: [Term; 9] = [
+pub const TERMS: [Term; 11] = [
     Term::Start,
     Term::PosePrior,
     Term::Contact,
@@ -39,6 +43,8 @@ pub const TERMS: [Term; 9] = [
     Term::SelfCollision,
     Term::JointLimits,
     Term::Balance,
+    Term::Smoothness,
+    Term::Feet,
 ];
 
 impl Term {
@@ -54,6 +60,8 @@ impl Term {
             Self::SelfCollision => "self-collision",
             Self::JointLimits => "joint limits",
             Self::Balance => "balance",
+            Self::Smoothness => "smoothness",
+            Self::Feet => "planted feet",
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Fits one body to a room by descent on energies: PSI's eq. 8 as published, and ours that can rescue.
+//! Fits bodies to a room by descent on energies: one body by PSI's eq. 8 as published, and by ours that can rescue; a
+//! motion by LTM's eq. 5 to 7, and by ours.
 //!
 //! Pure: no files, no egui. May not name `generate` or `motion`. Deterministic for a given start and
 //! configuration; the optimiser's state never leaks from body to body.
@@ -9,6 +10,7 @@ pub mod estimation;
 mod fitter;
 mod goals;
 mod probe;
+pub mod sequence;
 mod set_down;
 mod surroundings;
 mod terms;

@@ -106,9 +106,16 @@ pub struct Probe {
 impl Probe {
     /// The probe of a body.
     pub fn new(body: &Body) -> Self {
-        let mut chosen: BTreeSet<u32> = skin_sample(&body.model.template).into_iter().collect();
+        Self::sparse(body, SKIN_SAMPLE_M, usize::MAX)
+    }
+
+    /// A probe with one vertex of each cube of skin of side `sample_m`, metres, and at most about `region_sample`
+    /// vertices of each contact region.
+    pub fn sparse(body: &Body, sample_m: f32, region_sample: usize) -> Self {
+        let mut chosen: BTreeSet<u32> = skin_sample(&body.model.template, sample_m).into_iter().collect();
         for region in Region::ALL {
-            chosen.extend(body.regions.sample(region));
+            let sample = body.regions.sample(region);
+            chosen.extend(sample.iter().step_by(sample.len().div_ceil(region_sample).max(1)));
         }
         let ids: Vec<u32> = chosen.into_iter().collect();
         let entry = |vertex: &u32| ids.binary_search(vertex).ok().map(|i| i as u32);
@@ -126,10 +133,10 @@ impl Probe {
 }
 
 /// The first vertex in each occupied cube.
-fn skin_sample(template: &[Vec3]) -> Vec<u32> {
+fn skin_sample(template: &[Vec3], sample_m: f32) -> Vec<u32> {
     let mut cubes: BTreeMap<[i32; 3], u32> = BTreeMap::new();
     for (i, p) in template.iter().enumerate() {
-        let cube: IVec3 = (*p / SKIN_SAMPLE_M).floor().as_ivec3();
+        let cube: IVec3 = (*p / sample_m).floor().as_ivec3();
         cubes.entry(cube.to_array()).or_insert(i as u32);
     }
     cubes.into_values().collect()

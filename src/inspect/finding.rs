@@ -30,6 +30,25 @@ pub enum Metric {
     OutsideField,
     /// A number that is not finite.
     NotFinite,
+    /// LTM §4.3: share of vertices in free space, mean over a clip's frames, per cent.
+    NonCollisionPct,
+    /// Share of a clip's frames that touch the room, per cent.
+    ContactPct,
+    /// Speed of planted feet along the floor, cm/s.
+    SkateCmPerS,
+    /// Wandering of a planted foot in one stance, centimetres.
+    StanceDriftCm,
+    /// Height of a planted foot above what is under it, millimetres.
+    HoverMm,
+    /// Distance from a sub-goal, centimetres.
+    GoalErrorCm,
+    /// Turn from a sub-goal's facing, degrees.
+    GoalErrorDeg,
+    /// LTM §4.3: distance of a leg's ends from its sub-goals' bodies, centimetres.
+    #[serde(rename = "neighbour_v2v")]
+    NeighbourV2v,
+    /// Speed at a boundary of legs over that beside it.
+    BoundarySpeedRatio,
 }
 
 impl Metric {
@@ -43,6 +62,15 @@ impl Metric {
             Self::JointLimitDeg => "beyond joint limit (degrees)",
             Self::OutsideField => "vertices outside the room",
             Self::NotFinite => "numbers that are not finite",
+            Self::NonCollisionPct => "non-collision over the clip (%)",
+            Self::ContactPct => "frames in contact (%)",
+            Self::SkateCmPerS => "planted foot slides (cm/s)",
+            Self::StanceDriftCm => "planted foot wanders (cm)",
+            Self::HoverMm => "planted foot hovers (mm)",
+            Self::GoalErrorCm => "off its sub-goal (cm)",
+            Self::GoalErrorDeg => "turned from its sub-goal (degrees)",
+            Self::NeighbourV2v => "leg's end off its sub-goal's body (cm)",
+            Self::BoundarySpeedRatio => "jump between legs (times its neighbourhood)",
         }
     }
 }
@@ -66,7 +94,18 @@ impl Finding {
         match self.metric {
             Metric::PsiNonCollision => (1.0 - self.value) / (1.0 - self.limit).max(1e-6),
             Metric::Contact2cm | Metric::Supported => 2.0,
-            Metric::PenetrationMaxMm | Metric::JointLimitDeg => self.value / self.limit.max(1e-6),
+            Metric::NonCollisionPct | Metric::ContactPct => {
+                (100.0 - self.value) / (100.0 - self.limit).max(1e-6)
+            }
+            Metric::PenetrationMaxMm
+            | Metric::JointLimitDeg
+            | Metric::SkateCmPerS
+            | Metric::StanceDriftCm
+            | Metric::HoverMm
+            | Metric::GoalErrorCm
+            | Metric::GoalErrorDeg
+            | Metric::NeighbourV2v
+            | Metric::BoundarySpeedRatio => self.value / self.limit.max(1e-6),
             Metric::OutsideField => 3.0,
             Metric::NotFinite => f32::INFINITY,
         }

@@ -27,7 +27,7 @@ fn to_segment(a: Vec2, b: Vec2, point: Vec2) -> f32 {
 }
 
 /// Andrew's monotone chain, counter-clockwise, without collinear points.
-fn convex_hull(points: &[Vec2]) -> Vec<Vec2> {
+pub fn convex_hull(points: &[Vec2]) -> Vec<Vec2> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     sorted.dedup();

@@ -1,10 +1,10 @@
-//! People for other programs: posed, skinned, in their painted clothes, as the bytes of a GLB.
+//! People for other programs: posed or moving, skinned, in their painted clothes, as the bytes of a GLB.
 
 use super::dress::{BodySurface, Outfit, SurfacePart};
 use super::light::srgb_from_linear;
 use crate::assets::{self, GlbWriteError};
 use crate::body::{self, Body};
-use crate::scene::Person;
+use crate::scene::{Clip, Person, Room, model_from_room};
 
 /// Width over which colours blend at a seam: less than the mesh's own spacing, so every vertex has one colour.
 const SEAM_M: f32 = 1e-3;
@@ -17,6 +17,23 @@ pub fn person_glb(person: &Person, surface: &BodySurface) -> Result<Vec<u8>, Glb
     let colors = colors(surface, person.palette);
     let skinned = body::skinned_mesh(Body::bundled(), &person.name, &person.body, colors);
     assets::glb_from_skinned(&skinned)
+}
+
+/// The people of `clips` as moving, skinned bodies in one GLB, with `room` around them if it is given. Clips without
+/// frames are left out; motions begin together.
+///
+/// # Errors
+/// When a body or the room can't be written, which would be a bug.
+pub fn clips_glb<'a>(
+    name: &str,
+    room: Option<&Room>,
+    clips: impl IntoIterator<Item = &'a Clip>,
+    surface: &BodySurface,
+) -> Result<Vec<u8>, GlbWriteError> {
+    let moving = |clip: &Clip| body::skinned_clip(Body::bundled(), clip, colors(surface, clip.palette));
+    let people: Vec<_> = clips.into_iter().filter_map(moving).collect();
+    let room = room.map(model_from_room);
+    assets::glb_with_people(name, room.as_ref(), &people)
 }
 
 /// sRGB colour of every vertex in the clothes that `palette` chooses.

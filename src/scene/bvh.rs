@@ -4,6 +4,7 @@
 //! builder ends with a poor tree, so every box is grown by a seeded random amount below
 //! [`MAX_JITTER_M`] first. Boxes only ever grow: no hit is lost and none moves.
 
+mod overlap;
 mod packet;
 
 use glam::{Vec3, Vec3A};

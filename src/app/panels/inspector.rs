@@ -20,7 +20,7 @@ use crate::scene::Person;
 use crate::scene::PersonId;
 
 /// What the first shape numbers change; the rest have no everyday name.
-const SHAPE_NAMES: [&str; 3] = ["Size", "Weight", "Build"];
+pub const SHAPE_NAMES: [&str; 3] = ["Size", "Weight", "Build"];
 
 /// Draws the details of the active item.
 pub fn inspector(ui: &mut Ui, state: &mut EditorState) {
@@ -37,6 +37,8 @@ pub fn inspector(ui: &mut Ui, state: &mut EditorState) {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| object_details(ui, state, object));
             }
         }
+        Some(Item::Clip(id)) => super::motion::clip_details(ui, state, id),
+        Some(Item::Goal(clip, goal)) => super::motion::goal_details(ui, state, clip, goal),
         None => room_details(ui, state),
     }
 }
@@ -208,7 +210,7 @@ fn category_field(ui: &mut Ui, state: &mut EditorState, id: ObjectId, present: C
 }
 
 /// A name that is taken when Enter is pressed or the field is left.
-fn name_field(ui: &mut Ui, state: &mut EditorState, item: Item, name: &str) {
+pub fn name_field(ui: &mut Ui, state: &mut EditorState, item: Item, name: &str) {
     let id = ui.scope_id().with(("name", item));
     let mut text = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| name.to_owned());
     let edit = egui::TextEdit::singleline(&mut text)
@@ -246,7 +248,7 @@ fn room_details(ui: &mut Ui, state: &mut EditorState) {
     ui.weak("Click a person or an object to see its details.");
 }
 
-fn row(ui: &mut Ui, name: &str, value: &str) {
+pub fn row(ui: &mut Ui, name: &str, value: &str) {
     ui.weak(name);
     ui.label(value);
     ui.end_row();

@@ -119,6 +119,7 @@ fn eye_and_lock(ui: &mut Ui, state: &mut EditorState, item: Item, name: &str, vi
         state.apply(match item {
             Item::Person(id) => Command::SetPeopleVisible(vec![id], !visible),
             Item::Object(id) => Command::SetObjectsVisible(vec![id], !visible),
+            Item::Clip(id) | Item::Goal(id, _) => Command::SetClipsVisible(vec![id], !visible),
         });
     }
     let (lock, verb, strength) =
@@ -127,6 +128,7 @@ fn eye_and_lock(ui: &mut Ui, state: &mut EditorState, item: Item, name: &str, vi
         state.apply(match item {
             Item::Person(id) => Command::SetPeopleLocked(vec![id], !locked),
             Item::Object(id) => Command::SetObjectsLocked(vec![id], !locked),
+            Item::Clip(id) | Item::Goal(id, _) => Command::SetClipsLocked(vec![id], !locked),
         });
     }
 }

@@ -7,7 +7,7 @@ use egui::{Align2, Context, Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit
 use super::toasts::level_color;
 use crate::app::actions;
 use crate::app::commands::{self, COMMANDS, CommandInfo, Menu};
-use crate::app::engine::{ImportChoice, ImportSummary, Source};
+use crate::app::engine::{ImportChoice, ImportSummary, MotionFormat, Source};
 use crate::app::selection::Item;
 use crate::app::state::{EditorState, Leaving, Overlay};
 use crate::app::theme;
@@ -23,6 +23,8 @@ pub fn overlays(ctx: &Context, state: &mut EditorState) {
         Overlay::OpenPath(text) => open_path(ctx, state, text),
         Overlay::SavePath(text) => save_path(ctx, state, text),
         Overlay::ExportPath(text) => export_path(ctx, state, text),
+        Overlay::ExportMotion => export_motion(ctx, state),
+        Overlay::Study => super::study::study_setup(ctx, state),
         Overlay::Import => window(ctx, state, "Import report", 460.0, import_report),
         Overlay::History => window(ctx, state, "History", 300.0, history),
         Overlay::Notifications => window(ctx, state, "Notifications", 460.0, notifications),
@@ -268,6 +270,36 @@ fn export_path(ctx: &Context, state: &mut EditorState, mut text: String) {
         state.overlay = Overlay::None;
     } else {
         state.overlay = Overlay::ExportPath(text);
+    }
+}
+
+fn export_motion(ctx: &Context, state: &mut EditorState) {
+    let mut chosen = false;
+    let response = Modal::new(Id::unique("export motion")).show(ctx, |ui| {
+        ui.set_width(520.0_f32.min(ctx.content_rect().width() - 60.0));
+        ui.heading("Export motion");
+        ui.horizontal_wrapped(|ui| {
+            for format in MotionFormat::ALL {
+                let on = state.motion.export.format == format;
+                if ui.selectable_label(on, format.label()).on_hover_text(format.purpose()).clicked() && !on {
+                    state.ask_motion_export(format);
+                }
+            }
+        });
+        ui.weak(state.motion.export.format.purpose());
+        let hint = if state.motion.export.format == MotionFormat::Pictures {
+            "Path of a folder; it is made if it is missing"
+        } else {
+            "Path of the file"
+        };
+        let (entered, pressed) = path_field(ui, &mut state.motion.export.path, hint, "Export");
+        chosen = entered || pressed;
+    });
+    if chosen && !state.motion.export.path.trim().is_empty() {
+        state.overlay = Overlay::None;
+        state.start_motion_export();
+    } else if response.should_close() {
+        state.overlay = Overlay::None;
     }
 }
 

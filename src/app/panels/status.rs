@@ -60,6 +60,12 @@ fn hint(state: &EditorState) -> &'static str {
     match state.tool {
         _ if !state.has_room() => "Open a room or drop a file here. Ctrl+K finds every command.",
         Tool::PutHere => "Click a seat, a bed or the floor: somebody appears there. Esc ends.",
+        Tool::AddGoal => {
+            "Click where somebody should be; drag to say which way they face. A click on a seat or bed is to sit or lie. Esc ends."
+        }
+        Tool::Select if !state.selection.goals().is_empty() => {
+            "Drag or G: move   R: turn   F9: another body   L: lock   X: remove   Ctrl+Shift+Enter: synthesise   Space: play"
+        }
         Tool::Select if state.selection.is_empty() => {
             "Click: select   Middle drag: turn   Shift+middle: move   Wheel: zoom   Right drag: look, WASD: fly   F1: help"
         }

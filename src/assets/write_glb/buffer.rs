@@ -63,8 +63,16 @@ impl GlbBuilder {
     fn positions(&mut self, positions: &[Vec3]) -> usize {
         let accessor = self.array(positions, Layout::floats("VEC3"));
         let bounds = Aabb::of(positions.iter().copied());
-        self.root.accessors[accessor].min = Some(bounds.min.to_array());
-        self.root.accessors[accessor].max = Some(bounds.max.to_array());
+        self.root.accessors[accessor].min = Some(bounds.min.to_array().to_vec());
+        self.root.accessors[accessor].max = Some(bounds.max.to_array().to_vec());
+        accessor
+    }
+
+    /// Appends the times of key frames in ascending order, with the bounds that glTF demands of them.
+    pub fn times(&mut self, seconds: &[f32]) -> usize {
+        let accessor = self.array(seconds, Layout { target: None, ..Layout::floats("SCALAR") });
+        self.root.accessors[accessor].min = seconds.first().map(|first| vec![*first]);
+        self.root.accessors[accessor].max = seconds.last().map(|last| vec![*last]);
         accessor
     }
 

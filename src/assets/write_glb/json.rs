@@ -37,6 +37,8 @@ pub struct Root {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub skins: Vec<Skin>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub animations: Vec<Animation>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<Material>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub textures: Vec<Texture>,
@@ -118,6 +120,34 @@ pub struct Skin {
 }
 
 #[derive(Serialize)]
+pub struct Animation {
+    pub name: String,
+    pub channels: Vec<Channel>,
+    pub samplers: Vec<AnimationSampler>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extras: Option<serde_json::Value>,
+}
+
+#[derive(Serialize)]
+pub struct Channel {
+    pub sampler: usize,
+    pub target: ChannelTarget,
+}
+
+#[derive(Serialize)]
+pub struct ChannelTarget {
+    pub node: usize,
+    pub path: &'static str,
+}
+
+#[derive(Serialize)]
+pub struct AnimationSampler {
+    pub input: usize,
+    pub output: usize,
+    pub interpolation: &'static str,
+}
+
+#[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Material {
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -180,9 +210,9 @@ pub struct Accessor {
     #[serde(rename = "type")]
     pub kind: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub min: Option<[f32; 3]>,
+    pub min: Option<Vec<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub max: Option<[f32; 3]>,
+    pub max: Option<Vec<f32>>,
 }
 
 #[derive(Serialize)]

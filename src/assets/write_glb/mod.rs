@@ -1,4 +1,4 @@
-//! Values to GLB (glTF 2.0, binary): placed models and posed skinned bodies.
+//! Values to GLB (glTF 2.0, binary): placed models, and skinned bodies that are posed or move.
 //!
 //! Every node gets at most one matrix, so positions and transforms read back bit for bit; meshes and pictures
 //! that are shared stay shared. May not touch the disk: it returns the file's bytes.
@@ -6,12 +6,14 @@
 mod buffer;
 mod json;
 mod model;
+mod motion;
 mod skinned;
 #[cfg(test)]
 mod tests;
 
 pub use model::glb_from_model;
-pub use skinned::{SkinJoint, SkinnedMesh, glb_from_skinned};
+pub use motion::SkinMotion;
+pub use skinned::{SkinJoint, SkinnedMesh, glb_from_skinned, glb_with_people};
 
 /// Why a value can't be written as GLB.
 #[derive(Debug, thiserror::Error)]

@@ -14,6 +14,13 @@ use crate::assets::{AlphaMode, Material, Mesh, Model, Part, Texture, encode_png}
 /// node gets a child per transform. Transforms are matrices and read back bit for bit. The names above a node
 /// ([`Part::path`]) are not written. Errors name the part.
 pub fn glb_from_model(model: &Model) -> Result<Vec<u8>, GlbWriteError> {
+    let (mut builder, nodes) = begin_with_model(model)?;
+    builder.root.scenes.push(json::Scene { name: model.name.clone(), nodes });
+    builder.finish()
+}
+
+/// A file that has `model` in it and no scene yet, and the model's root nodes.
+pub(super) fn begin_with_model(model: &Model) -> Result<(GlbBuilder, Vec<usize>), GlbWriteError> {
     let mut writer = ModelWriter {
         model,
         builder: GlbBuilder::default(),
@@ -26,9 +33,7 @@ pub fn glb_from_model(model: &Model) -> Result<Vec<u8>, GlbWriteError> {
     for parts in objects(model) {
         roots.push(writer.object(&parts)?);
     }
-    let mut builder = writer.builder;
-    builder.root.scenes.push(json::Scene { name: model.name.clone(), nodes: roots });
-    builder.finish()
+    Ok((writer.builder, roots))
 }
 
 /// Parts by node, in the order in which the nodes first appear.

@@ -3,7 +3,9 @@ use glam::{Mat4, Quat, Vec3};
 use super::GlbWriteError;
 use super::buffer::{GlbBuilder, Layout};
 use super::json;
-use crate::assets::Mesh;
+use super::model::begin_with_model;
+use super::motion::{self, SkinMotion};
+use crate::assets::{Mesh, Model};
 
 /// Joints that move one vertex; what viewers must support at least (glTF 2.0 §3.7.3.1).
 const INFLUENCES: usize = 4;
@@ -41,58 +43,101 @@ pub struct SkinnedMesh {
     pub translation_m: Vec3,
     /// JSON for the body's node (parameters, seed), if any.
     pub extras: Option<String>,
+    /// How it moves; the pose above is shown where nothing plays.
+    pub motion: Option<SkinMotion>,
 }
 
 /// Writes a posed, skinned body as GLB: the mesh node stands untransformed at the scene's root and the
-/// skeleton's nodes hold the pose, so that Blender opens it as mesh plus armature.
+/// skeleton's nodes hold the pose, so that Blender opens it as mesh plus armature. Its motion becomes an animation.
 ///
 /// Weights are renormalised to sum to 1, twice-named joints merged, unused slots set to joint 0.
 /// Errors: lengths that differ, joints out of order or range, vertices without weight, numbers not finite.
 pub fn glb_from_skinned(body: &SkinnedMesh) -> Result<Vec<u8>, GlbWriteError> {
+    glb_with_people(&body.name, None, std::slice::from_ref(body))
+}
+
+/// Writes people, and the room around them if there is one, into one GLB, each person as
+/// [`glb_from_skinned`] does. All motions begin together, in one animation.
+///
+/// # Errors
+/// As [`super::glb_from_model`] and [`glb_from_skinned`].
+pub fn glb_with_people(
+    name: &str,
+    room: Option<&Model>,
+    people: &[SkinnedMesh],
+) -> Result<Vec<u8>, GlbWriteError> {
+    let (mut builder, mut nodes) = match room {
+        Some(room) => begin_with_model(room)?,
+        None => (GlbBuilder::default(), Vec::new()),
+    };
+    let material = builder.root.materials.len();
+    if !people.is_empty() {
+        builder.root.materials.push(cloth());
+    }
+    let mut armatures = Vec::with_capacity(people.len());
+    for body in people {
+        let first = builder.root.nodes.len();
+        add_body(&mut builder, body, material)?;
+        nodes.extend([first + BODY_NODE, first + ARMATURE_NODE]);
+        armatures.push((body, first + FIRST_JOINT_NODE));
+    }
+    motion::add_animation(&mut builder, name, &armatures);
+    builder.root.scenes.push(json::Scene { name: name.to_owned(), nodes });
+    builder.finish()
+}
+
+/// Appends one body with its skin and its nodes: mesh, armature, joints.
+fn add_body(builder: &mut GlbBuilder, body: &SkinnedMesh, material: usize) -> Result<(), GlbWriteError> {
     check(body)?;
-    let mut builder = GlbBuilder::default();
     let (mut attributes, indices) = builder.mesh(&body.name, &body.mesh)?;
     let (joints, weights) = clean_weights(body)?;
     let joint_layout = Layout { component_type: json::UNSIGNED_BYTE, ..Layout::floats("VEC4") };
     attributes.joints = Some(builder.array(&joints, joint_layout));
     attributes.weights = Some(builder.array(&weights, Layout::floats("VEC4")));
-    let primitive = json::Primitive { attributes, indices, material: 0 };
+    let primitive = json::Primitive { attributes, indices, material };
     builder.root.meshes.push(json::Mesh { name: body.name.clone(), primitives: vec![primitive] });
-    builder.root.materials.push(cloth());
-    let skin = skin(&mut builder, body);
+    let first = builder.root.nodes.len();
+    let skin = skin(builder, body, first + FIRST_JOINT_NODE);
     builder.root.skins.push(skin);
-    builder.root.nodes = nodes(body)?;
-    let scene = json::Scene { name: body.name.clone(), nodes: vec![BODY_NODE, ARMATURE_NODE] };
-    builder.root.scenes.push(scene);
-    builder.finish()
+    let (mesh, skin) = (builder.root.meshes.len() - 1, builder.root.skins.len() - 1);
+    let nodes = nodes(body, first, mesh, skin)?;
+    builder.root.nodes.extend(nodes);
+    Ok(())
 }
 
+/// A body's nodes, counted from its first.
 const BODY_NODE: usize = 0;
 const ARMATURE_NODE: usize = 1;
 /// Joints come after the body and the armature.
 const FIRST_JOINT_NODE: usize = 2;
 
 /// Bind matrices take the body's frame to each joint's; without rotations in rest they only shift.
-fn skin(builder: &mut GlbBuilder, body: &SkinnedMesh) -> json::Skin {
+fn skin(builder: &mut GlbBuilder, body: &SkinnedMesh, first_joint: usize) -> json::Skin {
     let inverse: Vec<[f32; 16]> =
         body.skeleton.iter().map(|j| Mat4::from_translation(-j.rest_m).to_cols_array()).collect();
     let layout = Layout { target: None, ..Layout::floats("MAT4") };
     json::Skin {
         name: format!("{} skeleton", body.name),
         inverse_bind_matrices: builder.array(&inverse, layout),
-        skeleton: FIRST_JOINT_NODE,
-        joints: (FIRST_JOINT_NODE..FIRST_JOINT_NODE + body.skeleton.len()).collect(),
+        skeleton: first_joint,
+        joints: (first_joint..first_joint + body.skeleton.len()).collect(),
     }
 }
 
-fn nodes(body: &SkinnedMesh) -> Result<Vec<json::Node>, GlbWriteError> {
+fn nodes(
+    body: &SkinnedMesh,
+    first: usize,
+    mesh: usize,
+    skin: usize,
+) -> Result<Vec<json::Node>, GlbWriteError> {
     let extras = body.extras.as_deref().map(serde_json::from_str).transpose();
     let extras = extras.map_err(|source| GlbWriteError::Extras { what: body.name.clone(), source })?;
-    let mesh_node =
-        json::Node { name: body.name.clone(), mesh: Some(0), skin: Some(0), extras, ..json::Node::default() };
+    let (mesh, skin) = (Some(mesh), Some(skin));
+    let mesh_node = json::Node { name: body.name.clone(), mesh, skin, extras, ..json::Node::default() };
+    let first_joint = first + FIRST_JOINT_NODE;
     let armature = json::Node {
         name: format!("{} skeleton", body.name),
-        children: vec![FIRST_JOINT_NODE],
+        children: vec![first_joint],
         ..json::Node::default()
     };
     let joints = body.skeleton.iter().enumerate().map(|(index, joint)| {
@@ -101,27 +146,16 @@ fn nodes(body: &SkinnedMesh) -> Result<Vec<json::Node>, GlbWriteError> {
             Some(parent) => joint.rest_m - body.skeleton[parent].rest_m,
             None => joint.rest_m + body.translation_m,
         };
+        let children = body.skeleton.iter().enumerate().filter(below).map(|(i, _)| i + first_joint);
         json::Node {
             name: joint.name.clone(),
             translation: Some(offset_m.to_array()),
-            rotation: Some(unit(joint.rotation).to_array()),
-            children: body
-                .skeleton
-                .iter()
-                .enumerate()
-                .filter(below)
-                .map(|(i, _)| i + FIRST_JOINT_NODE)
-                .collect(),
+            rotation: Some(motion::unit(joint.rotation).to_array()),
+            children: children.collect(),
             ..json::Node::default()
         }
     });
     Ok([mesh_node, armature].into_iter().chain(joints).collect())
-}
-
-/// A unit quaternion; the identity where there is no direction to keep.
-fn unit(rotation: Quat) -> Quat {
-    let length = rotation.length();
-    if length > 0.0 { rotation * length.recip() } else { Quat::IDENTITY }
 }
 
 /// Painted by vertex colours alone.
@@ -204,5 +238,5 @@ fn check(body: &SkinnedMesh) -> Result<(), GlbWriteError> {
         let array = "translation or weights";
         return Err(GlbWriteError::NotFinite { what: body.name.clone(), array });
     }
-    Ok(())
+    body.motion.as_ref().map_or(Ok(()), |motion| motion.check(&body.name, count))
 }

@@ -155,7 +155,94 @@ fn body() -> SkinnedMesh {
         ],
         translation_m: Vec3::new(1.0, 0.5, -2.0),
         extras: None,
+        motion: None,
     }
+}
+
+/// The same body: its root walks and turns more than once round, the spine never moves.
+fn mover() -> SkinnedMesh {
+    let body = body();
+    let frames = 90;
+    let turn = |i: usize| {
+        // As rotations come out of a fit: of either sign.
+        let q = Quat::from_rotation_y(0.1 * i as f32);
+        if i % 3 == 0 { -q } else { q }
+    };
+    let motion = SkinMotion {
+        fps: 30.0,
+        translations_m: (0..frames).map(|i| Vec3::new(0.02 * i as f32, 0.5, -2.0)).collect(),
+        rotations: (0..frames)
+            .map(|i| vec![turn(i), body.skeleton[1].rotation, Quat::from_rotation_z(0.01 * i as f32)])
+            .collect(),
+    };
+    SkinnedMesh { motion: Some(motion), ..body }
+}
+
+#[test]
+fn a_motion_is_an_animation_that_interpolates_between_unit_rotations_of_one_sign() {
+    let body = mover();
+    let (document, blob) = open(&glb_from_skinned(&body).expect("writes"));
+    let animation = document.animations().next().expect("an animation");
+    assert_eq!(animation.extras().as_ref().expect("extras").get(), r#"{"fps":30.0}"#);
+    let motion = body.motion.as_ref().expect("a motion");
+    let mut paths = Vec::new();
+    for channel in animation.channels() {
+        let reader = channel.reader(|_| Some(&blob));
+        let times: Vec<f32> = reader.read_inputs().expect("times").collect();
+        assert!(times[0] == 0.0 && times.windows(2).all(|t| t[0] < t[1]) && times.len() == 90);
+        let input = channel.sampler().input();
+        assert_eq!(input.max().expect("a maximum").to_string(), format!("[{}]", times[89]));
+        assert_eq!(channel.sampler().interpolation(), gltf::animation::Interpolation::Linear);
+        let name = channel.target().node().name().expect("a name").to_owned();
+        match reader.read_outputs().expect("outputs") {
+            gltf::animation::util::ReadOutputs::Translations(places) => {
+                for (place, t) in places.zip(&motion.translations_m) {
+                    assert_eq!(Vec3::from(place), body.skeleton[0].rest_m + *t);
+                }
+                paths.push((name, "translation"));
+            }
+            gltf::animation::util::ReadOutputs::Rotations(turns) => {
+                let turns: Vec<Quat> = turns.into_f32().map(Quat::from_array).collect();
+                let joint = body.skeleton.iter().position(|j| j.name == name).expect("a joint");
+                assert!(turns.iter().all(|q| q.is_normalized()));
+                assert!(turns.windows(2).all(|q| q[0].dot(q[1]) > 0.9), "the short way round");
+                let apart = |(q, frame): (&Quat, &Vec<Quat>)| q.angle_between(frame[joint]);
+                assert!(turns.iter().zip(&motion.rotations).map(apart).all(|angle| angle < 1e-3));
+                paths.push((name, "rotation"));
+            }
+            _ => panic!("another path"),
+        }
+    }
+    let paths: Vec<(&str, &str)> = paths.iter().map(|(name, path)| (&**name, *path)).collect();
+    let expected = [("pelvis", "translation"), ("pelvis", "rotation"), ("head", "rotation")];
+    assert_eq!(paths, expected, "the spine, which never turns, has no channel");
+}
+
+#[test]
+fn several_people_and_their_room_share_a_file_and_begin_together() {
+    let room = model(vec![part("Sofa", 0, &Arc::new(mesh()), somewhere())]);
+    let people = [mover(), SkinnedMesh { name: "Bo".into(), ..mover() }];
+    let (document, _) = open(&glb_with_people("Study", Some(&room), &people).expect("writes"));
+    let roots: Vec<_> = document.default_scene().expect("a scene").nodes().collect();
+    let names: Vec<&str> = roots.iter().map(|n| n.name().expect("named")).collect();
+    assert_eq!(names, ["Sofa", "Ada", "Ada skeleton", "Bo", "Bo skeleton"]);
+    assert_eq!((document.skins().count(), document.animations().count()), (2, 1));
+    let skin = document.skins().nth(1).expect("Bo's");
+    assert_eq!(skin.joints().next().map(|j| j.index()), skin.skeleton().map(|j| j.index()));
+    assert_eq!(roots[4].children().next().map(|j| j.index()), skin.skeleton().map(|j| j.index()));
+}
+
+#[test]
+fn a_motion_of_another_skeleton_or_without_time_is_refused() {
+    let with = |edit: &dyn Fn(&mut SkinMotion)| {
+        let mut body = mover();
+        body.motion.as_mut().into_iter().for_each(edit);
+        glb_from_skinned(&body)
+    };
+    assert!(matches!(with(&|m| m.rotations[7].truncate(2)), Err(GlbWriteError::Length { found: 2, .. })));
+    assert!(matches!(with(&|m| m.translations_m.truncate(2)), Err(GlbWriteError::Length { .. })));
+    assert!(matches!(with(&|m| m.fps = 0.0), Err(GlbWriteError::NotFinite { .. })));
+    assert!(matches!(with(&|m| m.translations_m[3].x = f32::NAN), Err(GlbWriteError::NotFinite { .. })));
 }
 
 /// Linear blend skinning by the formula in [`SkinnedMesh`]'s description, in f64 where it counts.

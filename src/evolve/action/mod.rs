@@ -20,10 +20,12 @@
 //!    (o, o') uses the *person's* axes with the origin moved to o' ([`PersonFrame::at`]).
 //! 4. A group action has [`ActionNode::group`]: how many people, which objects they share (eq. 6 to 8).
 
+mod bundled;
 mod frame;
 mod graph;
 mod group;
 mod model;
+mod realise;
 
 pub use frame::{PersonFrame, Polar};
 pub use graph::{ActionGraph, correlation};
@@ -31,4 +33,10 @@ pub use group::{GroupModel, PEOPLE_APART_M, is_shared, shared_potential};
 pub use model::{
     ActionKind, ActionModel, ActionModelError, ActionNode, Evidence, KeyObject, KeyRelation, Occurrence,
     PairPlacement, Placement, PolarDensity, Posture, Provenance,
+};
+pub use realise::{
+    Candidates, Companion, Embodied, Evolution, EvolutionConfig, EvolutionStep, Faces, Failed, Found, Ground,
+    GroupMode, Held, Inserted, Interpenetration, Item, Kind, KindId, Library, LibraryError, MoveReason,
+    Moved, NotPossible, Off, PENETRATION_MM, Pose, RoomMeasures, Sample, Shape, Source, Spot, Stage,
+    StepPerson, Suggestion, Surface, Thing, UnderPoint, Verdict, World, Zone, embody, measure, scene_state,
 };

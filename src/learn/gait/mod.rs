@@ -42,7 +42,7 @@ const PERIODIC: usize = 1 + 2 * HARMONICS;
 /// Numbers of the pace.
 const PACE: usize = 3;
 /// How much is believed before the data speak: numbers per unit of speed and of turning are small.
-const RIDGE: [f64; PACE] = [1e-6, 0.05, 5.0];
+const RIDGE: [f64; PACE] = [1e-6, 0.005, 5.0];
 
 /// Why no model was measured: too few strides.
 #[derive(Debug, thiserror::Error)]
@@ -252,13 +252,13 @@ mod tests {
         let clips: Vec<PoseClip> = (0..8).map(|i| pendulum("p", 0.8 + 0.07 * i as f32)).collect();
         let rest = &Body::bundled().model.joint_template;
         let model = measure_gait(&clips, rest, &Ticker::silent()).expect("strides");
-        let pace = Pace::new(1.2, 0.816, 0.0);
+        let pace = Pace::new(1.0, 0.816, 0.0);
         let shoulder = model.joint(j::RIGHT_SHOULDER).expect("a shoulder");
         // The right foot lands at phase 0, when its leg is ahead and the right arm (+x is back) behind.
         let swing =
             |phase: f32| (Quat::from_rotation_z(1.3).inverse() * shoulder.at(phase, pace, 1.0)).x * 2.0;
         assert!(swing(0.0).abs() > 0.2 && swing(0.0) * swing(PI) < 0.0, "{} {}", swing(0.0), swing(PI));
-        let seconds = model.step_length_share(pace) * 0.816 / 1.2;
+        let seconds = model.step_length_share(pace) * 0.816 / 1.0;
         assert!((seconds - 0.6).abs() < 0.03, "a step of {seconds} s, 0.6 s were made");
     }
 

@@ -209,7 +209,7 @@ impl Maker<'_> {
                     self.way.at(self.way.length())
                 };
                 let stands = posture::stand_beside(person, &rest.stick, end, seed);
-                let sits = posture::sit_on_edge(person, &rest.stick, &stands);
+                let sits = posture::sit_on_edge(&rest.stick, &stands);
                 let mut down = posture::sit_down(person, &stands, &sits, rest.floor_y, &self.style);
                 append(&mut down, posture::lie_down(person, &sits, &rest.stick, rest.floor_y, &self.style));
                 (Some(down), End::Still(Box::new(stands)))

@@ -116,13 +116,10 @@ impl<'a> Ground<'a> {
             return Some(vec![from, to]);
         }
         let cells = self.cheapest_cells(from, to)?;
-        let mut points: Vec<Vec2> = cells.into_iter().map(|cell| self.middle(cell)).collect();
-        if let (Some(first), Some(last)) = (points.first_mut(), points.last_mut()) {
-            (*first, *last) = (from, to);
-        }
-        if points.len() < 2 {
-            points = vec![from, to];
-        }
+        let inner = cells.len().saturating_sub(2);
+        let mut points = vec![from];
+        points.extend(cells.into_iter().skip(1).take(inner).map(|cell| self.middle(cell)));
+        points.push(to);
         Some(self.pulled(&points))
     }
 

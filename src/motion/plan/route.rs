@@ -171,8 +171,7 @@ impl Builder<'_> {
         for (count, place) in on_way.iter().enumerate() {
             self.leave(way.points[begin..=place.index].to_vec());
             let id = self.planned_id(a.goal.id, 2 + count as u32);
-            let mut goal = planned(id, place.walking.at, place.walking.heading, GoalPose::Walk);
-            goal.planned = true;
+            let goal = planned(id, place.walking.at, place.walking.heading, GoalPose::Walk);
             self.push(goal, Role::Through(place.walking));
             begin = place.index;
         }
@@ -196,22 +195,22 @@ impl Builder<'_> {
             clearance_m: self.planner.floor().clearance_at(flat(stance.at)),
             speed_m_per_s: 0.0,
         }];
-        let first = self.route.stops.is_empty();
         let id = goal.id;
-        let mut stand = |this: &mut Self, leaving: bool| {
-            let name = this.planned_id(id, u32::from(leaving));
-            let goal = planned(name, stance.at, stance.facing, GoalPose::Stand);
-            this.push(goal, Role::Before { station: index, stance, leaving });
-        };
-        if !first {
-            stand(self, false);
+        if !self.route.stops.is_empty() {
+            self.stand_before(id, index, stance, false);
             self.leave(spot.clone());
         }
         self.push(goal, Role::Station(index));
         if index + 1 < self.stations.len() {
             self.leave(spot);
-            stand(self, true);
+            self.stand_before(id, index, stance, true);
         }
+    }
+
+    fn stand_before(&mut self, id: SubGoalId, station: usize, stance: Stance, leaving: bool) {
+        let name = self.planned_id(id, u32::from(leaving));
+        let goal = planned(name, stance.at, stance.facing, GoalPose::Stand);
+        self.push(goal, Role::Before { station, stance, leaving });
     }
 
     /// A sub-goal that somebody put by hand is walked through as fast as its place allows.

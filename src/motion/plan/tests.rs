@@ -5,8 +5,7 @@ use glam::{Vec2, Vec3};
 use super::*;
 use crate::job::Ticker;
 use crate::motion::leg::FootPlace;
-use crate::scene::field::bake;
-use crate::scene::{GeometryConfig, GoalPose, ObjectId, SubGoal, SubGoalId, facing_of};
+use crate::scene::{GeometryConfig, GoalPose, ObjectId, SubGoal, SubGoalId, bake, facing_of};
 
 /// The six faces of a box, seen from outside, or from inside for a room.
 fn cuboid(min: Vec3, max: Vec3, inside: bool) -> Vec<[Vec3; 3]> {

@@ -73,8 +73,12 @@ pub fn world_triangles<'a>(
 }
 
 /// The mesh of a piece: the part's own, or a new one of the triangles in the piece.
-pub fn mesh_of(part: &Part, piece: &Piece) -> Arc<Mesh> {
-    let Some(triangles) = &piece.triangles else { return part.mesh.clone() };
+///
+/// # Errors
+/// [`Stopped`] when `step` breaks off.
+pub fn mesh_of(part: &Part, piece: &Piece, step: Step) -> Result<Arc<Mesh>, Stopped> {
+    let Some(triangles) = &piece.triangles else { return Ok(part.mesh.clone()) };
+    let mut pace = Pace::new(step, 0);
     let mut new_of_old: NumberMap<u32, u32> = NumberMap::default();
     let mut old_of_new = Vec::new();
     let mut number = |old: u32| {
@@ -83,14 +87,18 @@ pub fn mesh_of(part: &Part, piece: &Piece) -> Arc<Mesh> {
             old_of_new.len() as u32 - 1
         })
     };
-    let triangles = triangles.iter().map(|t| part.mesh.triangles[*t as usize].map(&mut number)).collect();
-    Arc::new(Mesh {
+    let renumbered = triangles.iter().map(|t| {
+        pace.item()?;
+        Ok(part.mesh.triangles[*t as usize].map(&mut number))
+    });
+    let triangles = renumbered.collect::<Result<_, Stopped>>()?;
+    Ok(Arc::new(Mesh {
         positions: picked(&part.mesh.positions, &old_of_new),
         normals: picked(&part.mesh.normals, &old_of_new),
         uvs: picked(&part.mesh.uvs, &old_of_new),
         colors: picked(&part.mesh.colors, &old_of_new),
         triangles,
-    })
+    }))
 }
 
 fn picked<T: Copy>(of: &[T], which: &[usize]) -> Vec<T> {

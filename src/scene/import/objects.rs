@@ -26,7 +26,7 @@ pub fn room(model: &Model, stance: &Stance, step: Step) -> Result<Room, Stopped>
         report(step, number, clusters.len())?;
         let members: Vec<&Atom> = members.iter().map(|&m| &atoms[m]).collect();
         let name = unique(&mut names, name(model, &members).unwrap_or_else(|| format!("object {number}")));
-        objects.push(object(model, &members, stance, ObjectId(number as u32), name));
+        objects.push(object(model, &members, stance, (ObjectId(number as u32), name), step)?);
     }
     let bounds = atoms.iter().fold(Aabb::EMPTY, |all, atom| all.union(atom.bounds));
     let around = Surrounding { bounds, ceiling_m: stance.ceiling_m.unwrap_or(bounds.max.y) };
@@ -82,7 +82,13 @@ fn whole_pieces(model: &Model, members: &[&Atom]) -> Vec<Piece> {
         .collect()
 }
 
-fn object(model: &Model, members: &[&Atom], stance: &Stance, id: ObjectId, name: String) -> Object {
+fn object(
+    model: &Model,
+    members: &[&Atom],
+    stance: &Stance,
+    (id, name): (ObjectId, String),
+    step: Step,
+) -> Result<Object, Stopped> {
     let category = members.iter().find_map(|a| a.category);
     let bounds = members.iter().fold(Aabb::EMPTY, |all, atom| all.union(atom.bounds));
     let centre = bounds.center();
@@ -90,19 +96,19 @@ fn object(model: &Model, members: &[&Atom], stance: &Stance, id: ObjectId, name:
     let object_from_file = Affine3A::from_mat3_translation(Mat3::IDENTITY, -origin) * stance.world_from_file;
     let parts = whole_pieces(model, members).into_iter().map(|piece| {
         let part = &model.parts[piece.part];
-        ObjectPart {
-            mesh: mesh_of(part, &piece),
+        Ok(ObjectPart {
+            mesh: mesh_of(part, &piece, step)?,
             material: part.material,
             object_from_mesh: object_from_file * part.file_from_mesh,
-        }
+        })
     });
-    Object {
+    Ok(Object {
         id,
         name,
         category: category.unwrap_or_default(),
-        parts: parts.collect(),
+        parts: parts.collect::<Result<_, Stopped>>()?,
         world_from_object: Affine3A::from_translation(origin),
         visible: true,
         locked: category.is_some_and(Category::is_structure),
-    }
+    })
 }

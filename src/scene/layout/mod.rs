@@ -14,6 +14,7 @@ mod soft;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod things;
 
 use std::collections::BTreeMap;
 
@@ -22,6 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::assets::Model;
 pub use pieces::{Art, Item};
 pub use procedural::{RoomType, procedural_layout};
+pub use things::{made_names, made_thing};
 
 /// A colour as people give it: red, green and blue from 0 to 255, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

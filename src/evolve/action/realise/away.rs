@@ -1,0 +1,218 @@
+//! What is in the way goes as near as there is room (ADSE §5.2, eq. 11): on the surfaces that suit it, then on a
+//! stack, then on the floor.
+
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+use rand::RngExt as _;
+
+use super::library::{Ground, Kind, Library};
+use super::step::{Candidates, MoveReason, Sample, Verdict};
+use super::world::{Avoid, Ball, Held, Item, Lifted, Onto, Rest, World, flat};
+use super::zone::Zone;
+use crate::job::Rng;
+
+/// ADSE §5.2: places drawn for one thing.
+pub const AWAY_SAMPLES: usize = 10_000;
+/// ADSE §5.2: places tried in vain before an earlier decision is revised.
+pub const MOST_FAILURES: usize = 2000;
+/// Share of the places that is drawn near by, where most things end.
+const NEARBY: f32 = 0.3;
+/// How near that is.
+const NEARBY_M: f32 = 0.6;
+/// Farther than this a stack, then the floor is better.
+const FARTHEST_M: f32 = 3.0;
+/// Highest stack over what it stands on.
+const HIGHEST_STACK_M: f32 = 0.35;
+/// What lies on a stack may be this much larger than what is below.
+const LARGER: f32 = 1.6;
+/// Samples kept for the overlay.
+const KEPT: usize = 96;
+
+/// Where something in the way can go.
+pub struct Away<'a> {
+    /// The room now, without what is lifted.
+    pub world: &'a World,
+    /// What kinds are like.
+    pub library: &'a Library,
+    /// What must stay free.
+    pub zone: &'a Zone,
+    /// People.
+    pub balls: &'a [Ball],
+    /// Things that are lifted for the moment.
+    pub lifted: &'a Lifted,
+}
+
+/// The place that was found for something in the way.
+pub struct Found {
+    /// The place, with the reason to report.
+    pub rest: Option<(Rest, MoveReason)>,
+    /// For the overlay.
+    pub candidates: Candidates,
+}
+
+impl Away<'_> {
+    /// The nearest free place for a thing.
+    pub fn find(&self, item: &Arc<Item>, rng: &mut Rng) -> Found {
+        let kind = item.kind.map(|k| self.library.kind(k));
+        let suited = |ground: Ground| suits(kind, item, self.world, ground);
+        let mut samples = Vec::new();
+        let lies_on_floor = self.ground_now(item) == Some(Ground::Floor);
+        let tops = |g: Ground| suited(g) && (g != Ground::Floor || lies_on_floor);
+        let rest = self
+            .on_surfaces(item, &tops, FARTHEST_M, rng, &mut samples)
+            .map(|rest| (rest, MoveReason::InTheWay))
+            .or_else(|| self.on_a_stack(item, kind, rng).map(|rest| (rest, MoveReason::Stacked)))
+            .or_else(|| {
+                let floor = |g: Ground| g == Ground::Floor;
+                let rest = self.on_surfaces(item, &floor, f32::INFINITY, rng, &mut samples);
+                rest.map(|rest| (rest, MoveReason::ToTheFloor))
+            });
+        let drawn = samples.len();
+        samples.truncate(KEPT);
+        Found { rest, candidates: Candidates { object: item.name.clone(), samples, drawn } }
+    }
+
+    fn ground_now(&self, item: &Item) -> Option<Ground> {
+        match item.held {
+            Held::Surface(number) => self.world.stage.surfaces.get(number).map(|s| s.ground),
+            _ => None,
+        }
+    }
+
+    fn on_surfaces(
+        &self,
+        item: &Arc<Item>,
+        allowed: &dyn Fn(Ground) -> bool,
+        farthest_m: f32,
+        rng: &mut Rng,
+        samples: &mut Vec<Sample>,
+    ) -> Option<Rest> {
+        let mut drawn = self.draw(item, allowed, farthest_m, rng);
+        drawn.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.x.total_cmp(&b.2.x)).then(a.2.z.total_cmp(&b.2.z)));
+        let avoid = Avoid { lifted: self.lifted, balls: self.balls };
+        for (distance_m, surface, at) in drawn.into_iter().take(MOST_FAILURES) {
+            let soft = self.world.stage.surfaces[surface].soft;
+            let onto = Onto::Surface { number: surface, height_m: at.y, soft };
+            let verdict = self.try_at(item, flat(at), onto, &avoid);
+            let (rest, verdict) = match verdict {
+                Ok(rest) => (Some(rest), Verdict::Taken),
+                Err(verdict) => (None, verdict),
+            };
+            samples.push(Sample { at, score: -distance_m, verdict });
+            if rest.is_some() {
+                return rest;
+            }
+        }
+        None
+    }
+
+    /// Places as (distance from where it was, surface, point).
+    fn draw(
+        &self,
+        item: &Item,
+        allowed: &dyn Fn(Ground) -> bool,
+        farthest_m: f32,
+        rng: &mut Rng,
+    ) -> Vec<(f32, usize, Vec3)> {
+        let from = item.pose.at;
+        let height_m = item.shape.bounds.size().y;
+        let (mut cells, mut nearby): (Vec<(usize, Vec3)>, Vec<(usize, Vec3)>) = Default::default();
+        for (number, surface) in
+            self.world.stage.surfaces.iter().enumerate().filter(|(_, s)| allowed(s.ground))
+        {
+            for (at, clear_m) in &surface.cells {
+                let distance_m = at.distance(from);
+                if *clear_m > height_m && distance_m < farthest_m {
+                    cells.push((number, *at));
+                    if distance_m < NEARBY_M {
+                        nearby.push((number, *at));
+                    }
+                }
+            }
+        }
+        if cells.is_empty() {
+            return Vec::new();
+        }
+        let near_count = if nearby.is_empty() { 0 } else { (AWAY_SAMPLES as f32 * NEARBY) as usize };
+        let one = |i: usize| {
+            let list = if i < near_count { &nearby } else { &cells };
+            let (surface, cell) = list[rng.random_range(0..list.len())];
+            let half = 0.5 * self.world.stage.surfaces[surface].cell_m;
+            let at = cell + Vec3::new(rng.random_range(-half..half), 0.0, rng.random_range(-half..half));
+            (at.distance(from), surface, at)
+        };
+        let mut drawn: Vec<(f32, usize, Vec3)> = (0..AWAY_SAMPLES).map(one).collect();
+        if drawn.len() > MOST_FAILURES {
+            drawn.select_nth_unstable_by(MOST_FAILURES, |a, b| a.0.total_cmp(&b.0));
+            drawn.truncate(MOST_FAILURES);
+        }
+        drawn
+    }
+
+    fn try_at(&self, item: &Item, at: Vec2, onto: Onto, avoid: &Avoid<'_>) -> Result<Rest, Verdict> {
+        let height_m = match onto {
+            Onto::Surface { height_m, .. } => height_m,
+            Onto::Item { top_m, .. } => top_m,
+        };
+        let nominal = super::world::Pose { at: Vec3::new(at.x, height_m, at.y), ..item.pose };
+        if self.zone.holds(&item.shape, &nominal) {
+            return Err(Verdict::InTheZone);
+        }
+        let rest =
+            self.world.place(&item.shape, at, item.pose.yaw_rad, onto, avoid).map_err(Verdict::from)?;
+        if self.zone.holds(&item.shape, &rest.pose) { Err(Verdict::InTheZone) } else { Ok(rest) }
+    }
+
+    /// On top of something that its kind may lie on, the nearest first.
+    fn on_a_stack(&self, item: &Arc<Item>, kind: Option<&Kind>, rng: &mut Rng) -> Option<Rest> {
+        let below = |name: &String| self.library.named(name);
+        let kinds: Vec<_> = kind?.stacks_on.iter().filter_map(below).collect();
+        let mut bases: Vec<(f32, &Arc<Item>)> = self
+            .world
+            .items()
+            .filter(|base| base.id != item.id && !self.lifted.contains(&base.id))
+            .filter(|base| base.kind.is_some_and(|k| kinds.contains(&k)))
+            .filter(|base| item.shape.plan_m2() < LARGER * base.shape.plan_m2())
+            .filter(|base| self.world.carried_by(base.id).is_empty())
+            .map(|base| (base.pose.at.distance(item.pose.at), base))
+            .filter(|(distance_m, _)| *distance_m < FARTHEST_M)
+            .collect();
+        bases.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.id.cmp(&b.1.id)));
+        let avoid = Avoid { lifted: self.lifted, balls: self.balls };
+        bases.into_iter().take(12).find_map(|(_, base)| {
+            if self.stack_m(base) > HIGHEST_STACK_M {
+                return None;
+            }
+            let onto = Onto::Item { id: base.id, top_m: base.bounds.max.y };
+            (0..6).find_map(|k| {
+                let off = Vec2::from_angle(rng.random_range(-PI..PI)) * 0.02 * k as f32 / 6.0;
+                let middle = base.bounds.center();
+                self.try_at(item, flat(middle) + off, onto, &avoid).ok()
+            })
+        })
+    }
+
+    /// How high a thing's top is over what the stack that it belongs to stands on.
+    fn stack_m(&self, top: &Arc<Item>) -> f32 {
+        let mut base = top;
+        for _ in 0..32 {
+            let Held::Item(id) = base.held else { break };
+            let Some(next) = self.world.item(id) else { break };
+            base = next;
+        }
+        top.bounds.max.y - base.bounds.min.y
+    }
+}
+
+/// Whether a thing may be put on a ground: where its kind says, or where it was found.
+fn suits(kind: Option<&Kind>, item: &Item, world: &World, ground: Ground) -> bool {
+    match (kind, item.held) {
+        (Some(kind), _) => kind.on.contains(&ground),
+        (None, Held::Surface(number)) => {
+            world.stage.surfaces.get(number).is_some_and(|s| s.ground == ground) || ground == Ground::Table
+        }
+        (None, _) => matches!(ground, Ground::Table | Ground::Stand),
+    }
+}
