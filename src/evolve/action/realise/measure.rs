@@ -91,7 +91,7 @@ pub fn measure(evolution: &Evolution) -> RoomMeasures {
 /// Whether an action moved or brought a thing.
 fn is_touched(world: &World, item: &Item) -> bool {
     let found = world.stage.movable.iter().find(|f| f.id == item.id);
-    found.is_none_or(|f| item.pose != Pose { at: f.at, yaw_rad: 0.0 })
+    found.is_none_or(|f| item.pose != Pose::upright(f.at, 0.0))
 }
 
 fn interpenetrations(world: &World, touched: &[std::sync::Arc<Item>]) -> Vec<Interpenetration> {
@@ -210,8 +210,7 @@ fn ways_left(evolution: &Evolution) -> (f32, bool) {
 }
 
 fn found_positions(world: &World) -> Vec<Aabb> {
-    let at =
-        |f: &super::stage::Found| super::world::placed_bounds(&f.shape, &Pose { at: f.at, yaw_rad: 0.0 });
+    let at = |f: &super::stage::Found| super::world::placed_bounds(&f.shape, &Pose::upright(f.at, 0.0));
     world.stage.movable.iter().map(at).collect()
 }
 

@@ -216,7 +216,10 @@ fn banned_kinds_never_come() {
 #[test]
 fn the_same_seed_gives_the_same_room_and_a_branch_leaves_its_origin_alone() {
     let poses = |e: &Evolution| -> Vec<_> {
-        e.world().items().map(|i| (i.id, i.name.clone(), i.pose.at.to_array(), i.pose.yaw_rad)).collect()
+        e.world()
+            .items()
+            .map(|i| (i.id, i.name.clone(), i.pose.at.to_array(), i.pose.yaw_rad, i.pose.lean.to_array()))
+            .collect()
     };
     let (a, b) = (run(start("living", 7), 6), run(start("living", 7), 6));
     assert_eq!(poses(&a), poses(&b));

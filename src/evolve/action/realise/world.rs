@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
 use super::library::{KindId, Thing};
-use super::shape::Shape;
+use super::shape::{Shape, UnderPoint};
 use super::stage::{Found, Stage};
 use crate::inspect::distance_to_hull;
 use crate::math::Aabb;
@@ -30,22 +30,29 @@ const UNEVEN_M: f32 = 0.03;
 /// Side of a square of the plan that things are looked up by.
 const SQUARE_M: f32 = 0.5;
 
-/// A thing's place: the middle of its underside and its turn about the vertical.
+/// A thing's place: the middle of its underside, its turn about the vertical and its lean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// World, metres.
     pub at: Vec3,
     /// Radians about +Y; 0 leaves the front at +z.
     pub yaw_rad: f32,
+    /// How it leans with the soft surface that it lies on; turns it after `yaw_rad`.
+    pub lean: Quat,
 }
 
 impl Pose {
-    /// From the thing's frame to the world.
-    pub fn matrix(&self) -> Affine3A {
-        Affine3A::from_rotation_translation(Quat::from_rotation_y(self.yaw_rad), self.at)
+    /// Upright.
+    pub fn upright(at: Vec3, yaw_rad: f32) -> Self {
+        Self { at, yaw_rad, lean: Quat::IDENTITY }
     }
 
-    /// A point of the thing's plan in the world's plan.
+    /// From the thing's frame to the world.
+    pub fn matrix(&self) -> Affine3A {
+        Affine3A::from_rotation_translation(self.lean * Quat::from_rotation_y(self.yaw_rad), self.at)
+    }
+
+    /// A point of the thing's plan in the world's plan, were it upright.
     pub fn plan(&self, local: Vec2) -> Vec2 {
         let (sin, cos) = self.yaw_rad.sin_cos();
         Vec2::new(local.x * cos + local.y * sin, local.y * cos - local.x * sin) + flat(self.at)
@@ -109,7 +116,7 @@ pub struct Item {
 
 impl Item {
     fn new(found: &Found, name: String) -> Self {
-        let pose = Pose { at: found.at, yaw_rad: 0.0 };
+        let pose = Pose::upright(found.at, 0.0);
         let mut item = Self {
             id: found.id,
             name,
@@ -142,11 +149,51 @@ impl Item {
 
 /// The box around a shape at a place.
 pub fn placed_bounds(shape: &Shape, pose: &Pose) -> Aabb {
-    let (sin, cos) = (pose.yaw_rad.sin().abs(), pose.yaw_rad.cos().abs());
-    let (half, middle) = (shape.bounds.size() * 0.5, shape.bounds.center());
-    let reach = Vec3::new(half.x * cos + half.z * sin, half.y, half.x * sin + half.z * cos);
-    let middle = pose.matrix().transform_point3(middle);
+    let place = pose.matrix();
+    let m = place.matrix3;
+    let half = shape.bounds.size() * 0.5;
+    let reach = Vec3::from(m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z);
+    let middle = place.transform_point3(shape.bounds.center());
     Aabb { min: middle - reach, max: middle + reach }
+}
+
+/// A point of a thing's underside over what is below it.
+#[derive(Clone, Copy)]
+struct Under {
+    /// From the thing's origin, turned as the thing is.
+    point: Vec3,
+    /// Height of the thing's foot there, from its origin.
+    foot_m: f32,
+    /// Height of what is below, world.
+    top_m: f32,
+}
+
+/// Surfaces that slope less than this are level; more than the most is no place to lie on.
+const LEANS_RAD: std::ops::Range<f32> = 0.01..0.25;
+/// Points this far below the highest are beside the surface.
+const BESIDE_M: f32 = 0.08;
+
+/// The lean that lays a thing flat on what is under it: that of the plane through its points (least squares).
+fn lean_of(under: &[Under]) -> Option<Quat> {
+    let highest = under.iter().map(|u| u.top_m).fold(f32::NEG_INFINITY, f32::max);
+    let on: Vec<Vec3> =
+        under.iter().filter(|u| u.top_m > highest - BESIDE_M).map(|u| u.point.with_y(u.top_m)).collect();
+    let mean = on.iter().sum::<Vec3>() / on.len().max(1) as f32;
+    let [mut xx, mut xz, mut zz, mut xy, mut zy] = [0.0_f32; 5];
+    for d in on.iter().map(|p| *p - mean) {
+        xx += d.x * d.x;
+        xz += d.x * d.z;
+        zz += d.z * d.z;
+        xy += d.x * d.y;
+        zy += d.z * d.y;
+    }
+    let determinant = xx * zz - xz * xz;
+    if determinant.abs() < 1e-9 {
+        return None;
+    }
+    let slope = Vec2::new((xy * zz - zy * xz) / determinant, (zy * xx - xy * xz) / determinant);
+    let normal = Vec3::new(-slope.x, 1.0, -slope.y).normalize_or(Vec3::Y);
+    LEANS_RAD.contains(&normal.angle_between(Vec3::Y)).then(|| Quat::from_rotation_arc(Vec3::Y, normal))
 }
 
 /// A part of a body: where it is and how thick.
@@ -392,7 +439,8 @@ impl World {
         let column = Aabb { min: from.with_y(best.0.max(from_m - 4.0)), max: from };
         for item in self.near(&column).into_iter().filter(|i| !lifted.contains(&i.id)) {
             let local = item.inverse.transform_point3(from);
-            if let Some(hit) = item.shape.tree.cast(local, Vec3::NEG_Y, 4.0)
+            let down = item.inverse.transform_vector3(Vec3::NEG_Y);
+            if let Some(hit) = item.shape.tree.cast(local, down, 4.0)
                 && from_m - hit.distance_m > best.0
             {
                 best = (from_m - hit.distance_m, Some(item.id));
@@ -402,7 +450,7 @@ impl World {
     }
 
     /// Sets a thing down at a place of the plan on something about `height_m` high: on the room alone, or (`on`) on
-    /// that thing. Says why where it can't.
+    /// that thing. On soft surfaces it leans as they do. Says why where it can't.
     ///
     /// # Errors
     /// [`Refused::Overhangs`] without enough under it.
@@ -414,26 +462,27 @@ impl World {
         on: Onto,
         lifted: &Lifted,
     ) -> Result<Rest, Refused> {
-        let pose = Pose { at: Vec3::new(at.x, 0.0, at.y), yaw_rad };
-        let (from_m, soft, things) = match on {
-            Onto::Surface { height_m, soft, .. } => (height_m + UNEVEN_M, soft, false),
-            Onto::Item { top_m, .. } => (top_m + 0.01, false, true),
-        };
-        let heights: Vec<f32> =
-            shape.under.iter().map(|p| self.top_below(pose.plan(p.at), from_m, lifted, things).0).collect();
-        let rest_m =
-            heights.iter().zip(&shape.under).map(|(h, p)| h - p.lift_m).fold(f32::NEG_INFINITY, f32::max);
-        if !rest_m.is_finite() || rest_m < from_m - 0.3 {
+        let upright = Pose::upright(Vec3::new(at.x, 0.0, at.y), yaw_rad);
+        let mut under = self.under(shape, &upright, on, lifted);
+        let mut pose = upright;
+        if on.is_soft()
+            && let Some(lean) = lean_of(&under)
+        {
+            pose.lean = lean;
+            under = self.under(shape, &pose, on, lifted);
+        }
+        let rest_m = under.iter().map(|u| u.top_m - u.point.y).fold(f32::NEG_INFINITY, f32::max);
+        if !rest_m.is_finite() || rest_m < on.height_m() - 0.3 {
             return Err(Refused::Overhangs);
         }
-        let carries_m = CARRIES_M[usize::from(soft)];
-        let area = || heights.iter().zip(&shape.under).filter(|(_, p)| p.area);
-        let over = area().filter(|(h, _)| **h >= rest_m - BELOW_M.max(carries_m)).count();
-        let share = over as f32 / area().count().max(1) as f32;
-        let carried: Vec<Vec2> = heights
+        let carries_m = CARRIES_M[usize::from(on.is_soft())];
+        let over = |u: &&Under| u.top_m >= rest_m + u.foot_m - BELOW_M.max(carries_m);
+        let area = || under.iter().zip(&shape.under).filter(|(_, p)| p.area).map(|(u, _)| u);
+        let share = area().filter(over).count() as f32 / area().count().max(1) as f32;
+        let carried: Vec<Vec2> = under
             .iter()
             .zip(&shape.under)
-            .filter(|(h, p)| p.lift_m < carries_m && **h - p.lift_m >= rest_m - carries_m)
+            .filter(|(u, p)| p.lift_m < carries_m && u.top_m - u.point.y >= rest_m - carries_m)
             .map(|(_, p)| p.at)
             .collect();
         if share < LEAST_SHARE || distance_to_hull(&carried, shape.middle) > BALANCE_M {
@@ -443,8 +492,22 @@ impl World {
             Onto::Surface { number, .. } => Held::Surface(number),
             Onto::Item { id, .. } => Held::Item(id),
         };
-        let at = pose.at.with_y(rest_m - shape.bounds.min.y + GAP_M);
-        Ok(Rest { pose: Pose { at, yaw_rad }, share, held })
+        pose.at.y = rest_m - shape.bounds.min.y + GAP_M;
+        Ok(Rest { pose, share, held })
+    }
+
+    /// What is under every point of a thing's underside. The pose's height does not count.
+    fn under(&self, shape: &Shape, pose: &Pose, on: Onto, lifted: &Lifted) -> Vec<Under> {
+        let turn = pose.lean * Quat::from_rotation_y(pose.yaw_rad);
+        let things = matches!(on, Onto::Item { .. });
+        let from_m = on.height_m() + if things { 0.01 } else { UNEVEN_M };
+        let look = |p: &UnderPoint| {
+            let point = turn * Vec3::new(p.at.x, p.lift_m, p.at.y);
+            let foot_m = (turn * Vec3::new(p.at.x, 0.0, p.at.y)).y;
+            let at = flat(pose.at) + flat(point);
+            Under { point, foot_m, top_m: self.top_below(at, from_m, lifted, things).0 }
+        };
+        shape.under.iter().map(look).collect()
     }
 
     /// Sets a thing down as [`World::set_down`] and makes sure that it runs into nothing.
@@ -460,13 +523,13 @@ impl World {
         avoid: &Avoid<'_>,
     ) -> Result<Rest, Refused> {
         // Most places in a crowd are taken by another thing: that is known soonest.
-        let nominal = Pose { at: Vec3::new(at.x, on.height_m() + GAP_M + 0.004, at.y), yaw_rad };
+        let nominal = Pose::upright(Vec3::new(at.x, on.height_m() + GAP_M + 0.004, at.y), yaw_rad);
         if self.runs_into_things(shape, &nominal, on, avoid) || Self::touches(shape, &nominal, avoid.balls) {
             return Err(Refused::Collides);
         }
         let rest = self.set_down(shape, at, yaw_rad, on, avoid.lifted)?;
         for lift_m in LIFTS_M {
-            let pose = Pose { at: rest.pose.at + Vec3::Y * lift_m, yaw_rad };
+            let pose = Pose { at: rest.pose.at + Vec3::Y * lift_m, ..rest.pose };
             if self.collision(shape, &pose, avoid.lifted).is_none() {
                 let clear = !Self::touches(shape, &pose, avoid.balls);
                 return if clear { Ok(Rest { pose, ..rest }) } else { Err(Refused::Collides) };
@@ -511,6 +574,10 @@ impl Onto {
             Self::Surface { height_m, .. } => height_m,
             Self::Item { top_m, .. } => top_m,
         }
+    }
+
+    fn is_soft(self) -> bool {
+        matches!(self, Self::Surface { soft: true, .. })
     }
 
     fn item(self) -> Option<ObjectId> {
