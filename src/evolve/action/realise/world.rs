@@ -615,3 +615,116 @@ fn squares(bounds: &Aabb) -> impl Iterator<Item = [i32; 2]> + use<> {
     let (x0, x1, z0, z1) = (cell(bounds.min.x), cell(bounds.max.x), cell(bounds.min.z), cell(bounds.max.z));
     (x0..=x1).flat_map(move |x| (z0..=z1).map(move |z| [x, z]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::library::Library;
+    use super::super::shape::tests::block_triangles;
+    use super::*;
+    use crate::assets::{Material, Mesh};
+    use crate::job::Ticker;
+    use crate::scene::{Category, Object, ObjectPart, Room};
+
+    fn object(id: u32, name: &str, category: Category, size: Vec3, at: Vec3) -> Object {
+        let triangles = block_triangles(size);
+        let mesh = Mesh {
+            positions: triangles.iter().flatten().copied().collect(),
+            triangles: (0..triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+            ..Mesh::default()
+        };
+        let part = ObjectPart { mesh: Arc::new(mesh), material: 0, object_from_mesh: Affine3A::IDENTITY };
+        Object {
+            id: ObjectId(id),
+            name: name.to_owned(),
+            category,
+            parts: vec![part],
+            world_from_object: Affine3A::from_translation(at),
+            visible: true,
+            locked: category.is_structure(),
+        }
+    }
+
+    /// A floor with a table of 1.2 by 0.8 m, 75 cm high, and a box of 10 cm on its middle.
+    fn world() -> World {
+        let table = Vec3::new(1.2, 0.75, 0.8);
+        let room = Room {
+            objects: vec![
+                object(0, "Floor", Category::Floor, Vec3::new(4.0, 0.1, 4.0), Vec3::Y * -0.1),
+                object(1, "Table", Category::DiningTable, table, Vec3::ZERO),
+                object(2, "Box", Category::Objects, Vec3::splat(0.1), Vec3::Y * 0.75),
+            ],
+            materials: vec![Material::default()],
+            ..Room::default()
+        };
+        let stage = Stage::new(Arc::new(room), Library::bundled(), &Ticker::silent()).expect("not cancelled");
+        World::new(Arc::new(stage))
+    }
+
+    fn block(size: Vec3) -> Shape {
+        Shape::new(block_triangles(size))
+    }
+
+    #[test]
+    fn things_stand_on_the_table_hang_over_by_less_than_half_and_never_share_a_place() {
+        let world = world();
+        let top = world.stage.work_surface(ObjectId(1)).expect("the table has a top");
+        let onto = Onto::Surface { number: top, height_m: 0.75, soft: false };
+        let lifted = Lifted::new();
+        let avoid = Avoid { lifted: &lifted, balls: &[] };
+        let book = block(Vec3::new(0.2, 0.03, 0.2));
+        let put = |x: f32, z: f32| world.place(&book, Vec2::new(x, z), 0.3, onto, &avoid);
+        let rest = put(0.3, 0.2).expect("free");
+        assert!((rest.pose.at.y - 0.75).abs() < 0.002 && rest.share > 0.99, "{rest:?}");
+        assert_eq!(rest.held, Held::Surface(top));
+        let over = put(0.56, 0.0).expect("a third hangs over");
+        assert!((0.5..0.9).contains(&over.share), "{}", over.share);
+        assert_eq!(put(0.62, 0.0), Err(Refused::Overhangs), "more than half would hang over");
+        assert_eq!(put(0.1, 0.0), Err(Refused::Collides), "the box is there");
+        let hidden = block(Vec3::new(0.04, 0.04, 0.04));
+        let inside = world.place(&hidden, Vec2::ZERO, 0.0, onto, &avoid);
+        assert_eq!(
+            inside,
+            Err(Refused::Collides),
+            "inside the box no surface is touched, and yet it is taken"
+        );
+        let person = [(Vec3::new(0.3, 0.85, 0.2), 0.1)];
+        let beside = Avoid { lifted: &lifted, balls: &person };
+        assert_eq!(world.place(&book, Vec2::new(0.3, 0.2), 0.3, onto, &beside), Err(Refused::Collides));
+    }
+
+    #[test]
+    fn what_stands_on_something_is_known_and_moves_are_by_value() {
+        let mut world = world();
+        let before = world.clone();
+        let id = ObjectId(2);
+        let base = world.item(id).expect("there").clone();
+        assert!(matches!(base.held, Held::Surface(_)), "{:?}", base.held);
+        let lifted = Lifted::new();
+        let avoid = Avoid { lifted: &lifted, balls: &[] };
+        let coin = block(Vec3::new(0.03, 0.005, 0.03));
+        let onto = Onto::Item { id, top_m: base.bounds.max.y };
+        let rest = world.place(&coin, Vec2::new(0.01, 0.0), 0.0, onto, &avoid).expect("on the box");
+        assert!((rest.pose.at.y - 0.85).abs() < 0.002, "{rest:?}");
+        let found = Found { id: ObjectId(9), kind: None, shape: Arc::new(coin), at: rest.pose.at };
+        let mut coin = Item::new(&found, "Coin".to_owned());
+        coin.held = rest.held;
+        world.enter(coin);
+        assert_eq!(world.carried_by(id), [ObjectId(9)]);
+        world.put(id, &Rest { pose: Pose::upright(Vec3::new(0.4, 0.75, 0.2), 1.0), ..rest });
+        assert_eq!(before.item(id).map(|i| i.pose), Some(base.pose), "the copy is untouched");
+        assert!(world.near(&Aabb::of([Vec3::new(0.4, 0.8, 0.2)])).iter().any(|i| i.id == id));
+        assert!(world.near(&base.bounds).iter().all(|i| i.id != id));
+    }
+
+    #[test]
+    fn on_a_slope_things_lean_with_it() {
+        let under: Vec<Under> = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)]
+            .map(|(x, z)| Under { point: Vec3::new(x, 0.0, z), foot_m: 0.0, top_m: 0.4 + 0.1 * x - 0.05 * z })
+            .to_vec();
+        let lean = lean_of(&under).expect("it slopes by six degrees");
+        let normal = lean * Vec3::Y;
+        assert!(normal.distance(Vec3::new(-0.1, 1.0, 0.05).normalize_or(Vec3::Y)) < 1e-4, "{normal}");
+        let level: Vec<Under> = under.iter().map(|u| Under { top_m: 0.4, ..*u }).collect();
+        assert_eq!(lean_of(&level), None);
+    }
+}
