@@ -43,6 +43,8 @@ pub struct Shape {
     pub middle: Vec2,
     /// Largest distance of its plan from the origin, metres.
     pub reach_m: f32,
+    /// Radius of the circle about `middle` that its plan holds, metres.
+    pub core_m: f32,
 }
 
 impl Shape {
@@ -58,13 +60,14 @@ impl Shape {
         let mut under = under_grid(&tree, &bounds);
         let count = under.len().max(1) as f32;
         let middle = under.iter().map(|p| p.at).sum::<Vec2>() / count;
+        let core_m = inner_radius(&plan, middle);
         under.extend(contacts.into_iter().map(|at| UnderPoint {
             at,
             lift_m: 0.0,
             contact: true,
             area: false,
         }));
-        Self { tree, bounds, under, plan, middle, reach_m }
+        Self { tree, bounds, under, plan, middle, reach_m, core_m }
     }
 
     /// Size of the plan's box in square metres.
@@ -78,6 +81,13 @@ impl Shape {
         let size = self.bounds.size();
         size.x * size.y * size.z
     }
+}
+
+/// Distance of a point from the nearest edge of a convex outline around it; 0 outside.
+fn inner_radius(hull: &[Vec2], point: Vec2) -> f32 {
+    let edges = (0..hull.len()).map(|i| (hull[i], hull[(i + 1) % hull.len()]));
+    let inside = |(a, b): (Vec2, Vec2)| (b - a).normalize_or_zero().perp_dot(point - a);
+    edges.map(inside).fold(f32::INFINITY, f32::min).clamp(0.0, 10.0)
 }
 
 /// Rays from below, at even places of the plan.

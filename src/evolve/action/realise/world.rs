@@ -25,6 +25,8 @@ const CARRIES_M: [f32; 2] = [0.004, 0.025];
 const LEAST_SHARE: f32 = 0.5;
 /// The middle of its weight may be this far outside of what carries it.
 const BALANCE_M: f32 = 0.004;
+/// Things whose inner circles in plan overlap by this share run into each other.
+const CORES: f32 = 0.8;
 /// Rays start so far above a surface's usual height: its unevenness.
 const UNEVEN_M: f32 = 0.03;
 /// Side of a square of the plan that things are looked up by.
@@ -264,7 +266,7 @@ impl World {
         let lifted = Lifted::from([item.id]);
         let from = flat(item.pose.at);
         let near = |y: f32| (y - item.pose.at.y).abs() < 0.02;
-        let (y, on) = self.top_below(from, item.pose.at.y + 0.01, &lifted, true);
+        let (y, on) = self.top_below(from, item.pose.at.y + 0.01, &Things::AllBut(&lifted));
         match on {
             Some(id) if near(y) => Held::Item(id),
             _ => self.surface_at(item.pose.at, 0.02).map_or(Held::AsFound, Held::Surface),
@@ -428,16 +430,16 @@ impl World {
         })
     }
 
-    /// The highest point below `from_m` at a place of the plan, and whose it is: the room's or a thing's.
-    pub fn top_below(&self, at: Vec2, from_m: f32, lifted: &Lifted, things: bool) -> (f32, Option<ObjectId>) {
+    /// The highest point below `from_m` at a place of the plan, and whose it is: the room's or one of `things`.
+    pub fn top_below(&self, at: Vec2, from_m: f32, things: &Things<'_>) -> (f32, Option<ObjectId>) {
         let from = Vec3::new(at.x, from_m, at.y);
         let cast = self.stage.geometry.bvh.cast(from, Vec3::NEG_Y, 4.0);
         let mut best = (cast.map_or(f32::NEG_INFINITY, |h| from_m - h.distance_m), None);
-        if !things {
+        if matches!(things, Things::None) {
             return best;
         }
         let column = Aabb { min: from.with_y(best.0.max(from_m - 4.0)), max: from };
-        for item in self.near(&column).into_iter().filter(|i| !lifted.contains(&i.id)) {
+        for item in self.near(&column).into_iter().filter(|i| things.count(i.id)) {
             let local = item.inverse.transform_point3(from);
             let down = item.inverse.transform_vector3(Vec3::NEG_Y);
             if let Some(hit) = item.shape.tree.cast(local, down, 4.0)
@@ -454,22 +456,15 @@ impl World {
     ///
     /// # Errors
     /// [`Refused::Overhangs`] without enough under it.
-    pub fn set_down(
-        &self,
-        shape: &Shape,
-        at: Vec2,
-        yaw_rad: f32,
-        on: Onto,
-        lifted: &Lifted,
-    ) -> Result<Rest, Refused> {
+    pub fn set_down(&self, shape: &Shape, at: Vec2, yaw_rad: f32, on: Onto) -> Result<Rest, Refused> {
         let upright = Pose::upright(Vec3::new(at.x, 0.0, at.y), yaw_rad);
-        let mut under = self.under(shape, &upright, on, lifted);
+        let mut under = self.under(shape, &upright, on);
         let mut pose = upright;
         if on.is_soft()
             && let Some(lean) = lean_of(&under)
         {
             pose.lean = lean;
-            under = self.under(shape, &pose, on, lifted);
+            under = self.under(shape, &pose, on);
         }
         let rest_m = under.iter().map(|u| u.top_m - u.point.y).fold(f32::NEG_INFINITY, f32::max);
         if !rest_m.is_finite() || rest_m < on.height_m() - 0.3 {
@@ -497,15 +492,16 @@ impl World {
     }
 
     /// What is under every point of a thing's underside. The pose's height does not count.
-    fn under(&self, shape: &Shape, pose: &Pose, on: Onto, lifted: &Lifted) -> Vec<Under> {
+    fn under(&self, shape: &Shape, pose: &Pose, on: Onto) -> Vec<Under> {
         let turn = pose.lean * Quat::from_rotation_y(pose.yaw_rad);
-        let things = matches!(on, Onto::Item { .. });
-        let from_m = on.height_m() + if things { 0.01 } else { UNEVEN_M };
+        // On a stack only what is below counts: what lies beside it may be gone tomorrow.
+        let things = on.item().map_or(Things::None, Things::Only);
+        let from_m = on.height_m() + if on.item().is_some() { 0.01 } else { UNEVEN_M };
         let look = |p: &UnderPoint| {
             let point = turn * Vec3::new(p.at.x, p.lift_m, p.at.y);
             let foot_m = (turn * Vec3::new(p.at.x, 0.0, p.at.y)).y;
             let at = flat(pose.at) + flat(point);
-            Under { point, foot_m, top_m: self.top_below(at, from_m, lifted, things).0 }
+            Under { point, foot_m, top_m: self.top_below(at, from_m, &things).0 }
         };
         shape.under.iter().map(look).collect()
     }
@@ -524,10 +520,13 @@ impl World {
     ) -> Result<Rest, Refused> {
         // Most places in a crowd are taken by another thing: that is known soonest.
         let nominal = Pose::upright(Vec3::new(at.x, on.height_m() + GAP_M + 0.004, at.y), yaw_rad);
-        if self.runs_into_things(shape, &nominal, on, avoid) || Self::touches(shape, &nominal, avoid.balls) {
+        let taken = self.overlaps_a_core(shape, &nominal, on, avoid)
+            || self.runs_into_things(shape, &nominal, on, avoid)
+            || Self::touches(shape, &nominal, avoid.balls);
+        if taken {
             return Err(Refused::Collides);
         }
-        let rest = self.set_down(shape, at, yaw_rad, on, avoid.lifted)?;
+        let rest = self.set_down(shape, at, yaw_rad, on)?;
         for lift_m in LIFTS_M {
             let pose = Pose { at: rest.pose.at + Vec3::Y * lift_m, ..rest.pose };
             if self.collision(shape, &pose, avoid.lifted).is_none() {
@@ -536,6 +535,18 @@ impl World {
             }
         }
         Err(Refused::Collides)
+    }
+
+    /// Whether the middle of a thing is where the middle of another is, seen from above: quickly told, and enough for
+    /// most of what collides.
+    fn overlaps_a_core(&self, shape: &Shape, pose: &Pose, on: Onto, avoid: &Avoid<'_>) -> bool {
+        let bounds = placed_bounds(shape, pose);
+        let middle = pose.plan(shape.middle);
+        self.near(&bounds).into_iter().any(|item| {
+            let apart_m = item.pose.plan(item.shape.middle).distance(middle);
+            let counts = !avoid.lifted.contains(&item.id) && on.item() != Some(item.id);
+            counts && apart_m < CORES * (item.shape.core_m + shape.core_m)
+        })
     }
 
     fn runs_into_things(&self, shape: &Shape, pose: &Pose, on: Onto, avoid: &Avoid<'_>) -> bool {
@@ -584,6 +595,27 @@ impl Onto {
         match self {
             Self::Surface { .. } => None,
             Self::Item { id, .. } => Some(id),
+        }
+    }
+}
+
+/// Which things count as something to stand on.
+#[derive(Clone, Copy, Debug)]
+pub enum Things<'a> {
+    /// None: only the room.
+    None,
+    /// This one, and the room.
+    Only(ObjectId),
+    /// All but these, and the room.
+    AllBut(&'a Lifted),
+}
+
+impl Things<'_> {
+    fn count(&self, id: ObjectId) -> bool {
+        match self {
+            Self::None => false,
+            Self::Only(one) => *one == id,
+            Self::AllBut(lifted) => !lifted.contains(&id),
         }
     }
 }
