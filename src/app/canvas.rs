@@ -27,6 +27,7 @@ use crate::scene::BETAS;
 use crate::scene::BodyParams;
 use crate::scene::Camera;
 use crate::scene::Frame;
+use crate::scene::ObjectId;
 use crate::scene::Person;
 use crate::scene::PersonId;
 use crate::scene::Room;
@@ -95,6 +96,7 @@ struct Drawn {
     heat_ready: u64,
     selected: Vec<Item>,
     hovered: Option<Item>,
+    pointed_out: Vec<ObjectId>,
     ghosts: Vec<Person>,
     actors: Vec<Actor>,
     /// The way that is drawn: its clip, by address, and how.
@@ -150,6 +152,7 @@ impl Canvas {
             heat_ready: state.measurements,
             selected: state.selection.iter().collect(),
             hovered,
+            pointed_out: state.living.pointed_out.clone(),
             ghosts: state.shown_ghosts(),
             actors: actors::actors(state, hovered),
             way: actors::way_key(state),
@@ -222,6 +225,7 @@ impl Canvas {
         if let Some(Item::Object(id)) = wanted.hovered.filter(|_| state.tool == super::state::Tool::PutHere) {
             selected_objects.push(id);
         }
+        selected_objects.extend(&wanted.pointed_out);
         let people = self.people(state, wanted);
         let room = self.room(state);
         let lines = actors::way(state);

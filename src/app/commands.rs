@@ -223,6 +223,7 @@ pub const COMMANDS: &[CommandInfo] = commands! {
     "why" Inspect "Why like this" [SHIFT W] "Shows what the sampler saw and what the fit made of it." if has_room => actions::show_why;
     "before" Inspect "Before the fit" [NONE B] "Shows the selected person as sampled, before the fit, as a ghost." if people_selected => actions::toggle_before;
     "networks" Inspect "Networks" [] "Training curves and figures of the bundled networks." if always => actions::show_networks;
+    "actions" People "Actions..." [] "What can be done in this room next, and what was done." if has_room => |s| s.requests.show_actions = true;
     "study" Inspect "Human study..." [] "Shows results of several methods blind and in random order; raters score them from 1 to 5." if always => |s| s.overlay = Overlay::Study;
     "measure" Inspect "Measure selected again" [] "Measures the selected people anew." if people_selected => actions::measure_again;
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::lived::{ActionChoice, LivedRoom};
 use crate::assets::PersonKeypoints;
 use crate::document::NextIds;
 use crate::document::Project;
@@ -637,6 +638,17 @@ pub trait Engine: Send + Sync + 'static {
     /// # Errors
     /// What, which file, what to do; or cancelled.
     fn export_motion(&self, path: &Path, export: &MotionExport, ticker: &Ticker) -> Result<usize, Stop>;
+    /// Looks at a room: what can be done in it.
+    ///
+    /// # Errors
+    /// Why it can't be said; or cancelled.
+    fn look_for_actions(
+        &self,
+        room: &Arc<Room>,
+        choice: &ActionChoice,
+        seed: u64,
+        ticker: &Ticker,
+    ) -> Result<Arc<dyn LivedRoom>, Stop>;
     /// How the vertices of [`Engine::pose`] join to triangles.
     fn faces(&self) -> Arc<[[u32; 3]]>;
     /// The surface for the renderer.

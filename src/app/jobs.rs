@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use super::actions;
 use super::engine::{FitTask, Made, Opened, Photo, PopulateTask, SampleMethod, Source};
+use super::living::{Acting, Looking};
 use super::motion::{Making, Measuring as MeasuringClip};
 use super::rooms;
 use super::samples::{self, Origin};
@@ -54,6 +55,8 @@ pub enum JobKind {
     MeasureMotion,
     /// Writes motions.
     ExportMotion,
+    /// Looks for actions or does them.
+    Act,
 }
 
 /// A row of the job list.
@@ -108,6 +111,8 @@ pub struct Jobs {
     pub(super) making: Option<Making>,
     pub(super) measuring_clip: Option<MeasuringClip>,
     pub(super) exporting_motion: Option<(PathBuf, Job<usize>)>,
+    pub(super) looking: Option<Looking>,
+    pub(super) acting: Option<Acting>,
     wanted: Option<Wanted>,
     /// The room whose geometry failed; not tried again until the room changes.
     hopeless: Option<RoomVersion>,
@@ -195,6 +200,12 @@ impl Jobs {
         }
         if let Some((_, job)) = &self.exporting_motion {
             rows.push(row(JobKind::ExportMotion, job));
+        }
+        if let Some((_, job)) = &self.looking {
+            rows.push(row(JobKind::Act, job));
+        }
+        if let Some(acting) = &self.acting {
+            rows.push(row(JobKind::Act, &acting.job));
         }
         rows
     }
@@ -447,6 +458,8 @@ impl EditorState {
                 self.motion.unmeasurable = Some(self.document.revision());
             }
             JobKind::ExportMotion => self.jobs.exporting_motion = None,
+            JobKind::Act if self.jobs.acting.is_some() => return self.stop_acting(),
+            JobKind::Act => self.jobs.looking = None,
         }
         self.notices.info("Cancelled. Nothing was changed.");
     }
@@ -487,6 +500,7 @@ impl EditorState {
         self.poll_making();
         self.poll_clip_measure();
         self.poll_motion_export();
+        self.poll_living();
         self.poll_study();
         if self.study.is_some() {
             // Nothing is measured while somebody rates: the processor belongs to what is shown.
@@ -536,8 +550,11 @@ impl EditorState {
         self.ghosts.clear();
         self.clear_sheet();
         self.jobs.making = None;
+        self.jobs.looking = None;
+        self.jobs.acting = None;
         self.jobs.measuring_clip = None;
         self.motion.forget();
+        self.living.forget();
         self.prune_motion();
         self.look = None;
         self.selection.clear();

@@ -12,6 +12,7 @@ use super::engine::{
     SampleMethod, SampleTask, SampleView, Sampled, Source,
 };
 use super::jobs::is_project_file;
+use super::lived::{self, ActionChoice, LivedRoom};
 use super::moving;
 use super::networks;
 use super::photos;
@@ -268,6 +269,16 @@ impl Engine for RealEngine {
 
     fn export_motion(&self, path: &Path, export: &MotionExport, ticker: &Ticker) -> Result<usize, Stop> {
         moving::export(path, export, &self.surface(), ticker)
+    }
+
+    fn look_for_actions(
+        &self,
+        room: &Arc<Room>,
+        choice: &ActionChoice,
+        seed: u64,
+        ticker: &Ticker,
+    ) -> Result<Arc<dyn LivedRoom>, Stop> {
+        lived::look_at(room, choice, seed, ticker)
     }
 
     fn faces(&self) -> Arc<[[u32; 3]]> {

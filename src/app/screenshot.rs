@@ -5,15 +5,21 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{ColorImage, Context, ViewportCommand};
+use glam::Vec3;
 
 use super::actions;
 use super::engine::SampleMethod;
+use super::motion::{Placing, Trail};
 use super::samples::ViewFrom;
 use super::selection::Item;
 use super::state::{EditorState, Heat, Overlay};
+use crate::scene::GoalPose;
 
 /// Frames drawn after the last change, so that glides, layout and the last full-quality picture are done.
 const SETTLE_FRAMES: u32 = 12;
+
+/// Nothing that one sits or lies on is higher, metres.
+const HEAD_M: f32 = 1.3;
 
 /// What to do before the picture is taken.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +48,14 @@ pub struct ScreenshotPlan {
     pub frame_selected: bool,
     /// The light theme.
     pub light: bool,
-    /// Show this: `palette`, `shortcuts`, `help`, `import`, `history`, `samples`, `why`, `new-room`, `networks`.
+    /// Place these sub-goals and make the motion: `X,Z` or `X,Z,POSE`, metres.
+    pub goals: Vec<String>,
+    /// Show the motion at this time, seconds.
+    pub at_s: f32,
+    /// Let this many actions happen.
+    pub actions: usize,
+    /// Show this: `palette`, `shortcuts`, `help`, `import`, `history`, `samples`, `why`, `new-room`, `networks`, `motion`,
+    /// `actions`, `study`.
     pub overlay: Option<String>,
 }
 
@@ -60,6 +73,9 @@ enum Stage {
     Populating,
     Sampling,
     Accepting,
+    Moving,
+    Looking,
+    Acting,
     Settling(u32),
     Taking,
     Done,
@@ -89,7 +105,10 @@ impl Script {
             Stage::Analysing if state.has_room() && state.geometry().is_some() && idle => self.begin(state),
             Stage::Populating if idle => self.sample(state),
             Stage::Sampling if idle => self.accept(state),
-            Stage::Accepting if idle => self.look(state),
+            Stage::Accepting if idle => self.make_motion(state),
+            Stage::Moving if idle => self.look_for_actions(state),
+            Stage::Looking if idle => self.act(state),
+            Stage::Acting if idle => self.look(state),
             Stage::Settling(0) => self.take(ctx),
             Stage::Settling(left) if idle => Stage::Settling(left - 1),
             stage => stage,
@@ -126,6 +145,35 @@ impl Script {
         Stage::Accepting
     }
 
+    fn make_motion(&mut self, state: &mut EditorState) -> Stage {
+        state.motion.options.seed = self.plan.seed;
+        for text in &self.plan.goals {
+            if let Some((at, pose)) = goal_of(text, state) {
+                state.motion.options.pose = pose;
+                state.place_goal(Placing { at, towards: at });
+            }
+        }
+        if !self.plan.goals.is_empty() {
+            state.start_synthesis();
+        }
+        Stage::Moving
+    }
+
+    fn look_for_actions(&mut self, state: &mut EditorState) -> Stage {
+        if self.plan.actions > 0 {
+            (state.living.seed, state.living.count) = (self.plan.seed, self.plan.actions);
+            state.look_for_actions();
+        }
+        Stage::Looking
+    }
+
+    fn act(&mut self, state: &mut EditorState) -> Stage {
+        if self.plan.actions > 0 {
+            state.start_chain();
+        }
+        Stage::Acting
+    }
+
     fn look(&mut self, state: &mut EditorState) -> Stage {
         state.view.heat = if self.plan.heat { Heat::Distance } else { Heat::Off };
         state.selection.clear();
@@ -145,10 +193,16 @@ impl Script {
             Some("history") => Overlay::History,
             Some("new-room") => Overlay::NewRoom,
             Some("networks") => Overlay::Networks(0),
+            Some("study") => Overlay::Study,
             _ => Overlay::None,
         };
         match self.plan.overlay.as_deref() {
             Some("samples") => state.requests.show_sheet = true,
+            Some("motion") => show_motion(state),
+            Some("actions") => {
+                state.requests.show_actions = true;
+                state.living.marks = true;
+            }
             Some("why") => {
                 actions::show_why(state);
                 state.view.before = true;
@@ -158,6 +212,8 @@ impl Script {
         if self.plan.overlay.as_deref() != Some("samples") {
             state.sheet.chosen = None;
         }
+        let length_s = state.play_seconds();
+        state.motion.player.seek(self.plan.at_s, length_s);
         state.notices.hide_news();
         Stage::Settling(SETTLE_FRAMES)
     }
@@ -176,6 +232,30 @@ impl Script {
         });
         Stage::Taking
     }
+}
+
+/// The panel and the timeline of motions, with the way that somebody goes.
+fn show_motion(state: &mut EditorState) {
+    state.requests.show_motion = true;
+    state.requests.show_timeline = true;
+    state.motion.trail = Trail::Figures;
+}
+
+/// The topmost surface below head height at `X,Z`, and what is to be done there.
+fn goal_of(text: &str, state: &EditorState) -> Option<(Vec3, GoalPose)> {
+    let mut parts = text.split(',');
+    let mut number = || parts.next()?.trim().parse::<f32>().ok();
+    let (x, z) = (number()?, number()?);
+    let pose = match parts.next().map(str::trim) {
+        Some("stand") => GoalPose::Stand,
+        Some("sit") => GoalPose::Sit,
+        Some("lie") => GoalPose::Lie,
+        Some("walk") => GoalPose::Walk,
+        _ => GoalPose::Any,
+    };
+    let above = Vec3::new(x, HEAD_M, z);
+    let hit = state.geometry()?.bvh.cast(above, Vec3::NEG_Y, 2.0 * HEAD_M)?;
+    Some((above - Vec3::Y * hit.distance_m, pose))
 }
 
 fn write_png(file: &std::path::Path, picture: &ColorImage) -> Result<(), String> {

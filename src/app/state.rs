@@ -9,6 +9,7 @@ use glam::Vec3;
 
 use super::engine::{Energies, Engine, ImportSummary};
 use super::jobs::Jobs;
+use super::living::Living;
 use super::motion::MotionPanel;
 use super::notices::Notices;
 use super::orbit::Orbit;
@@ -191,6 +192,8 @@ pub struct WindowRequests {
     pub show_photo: bool,
     /// Bring *Motion* to the front.
     pub show_motion: bool,
+    /// Bring *Actions* to the front.
+    pub show_actions: bool,
     /// Bring the timeline to the front.
     pub show_timeline: bool,
     /// Ask for a photo (false) or its keypoints (true).
@@ -254,6 +257,8 @@ pub struct EditorState {
     pub motion: MotionPanel,
     /// Who was made last, for re-rolls without a selection.
     pub last_made: Vec<PersonId>,
+    /// What people do in the room, and its futures.
+    pub living: Living,
     /// The next study with human raters.
     pub study_setup: StudySetup,
     /// The study that runs.
@@ -298,6 +303,7 @@ impl EditorState {
             new_room: NewRoom::default(),
             motion: MotionPanel::default(),
             last_made: Vec::new(),
+            living: Living::new(),
             study_setup: StudySetup::default(),
             study: None,
             requests: WindowRequests::default(),

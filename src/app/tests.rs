@@ -17,6 +17,7 @@ use super::engine::{
     MovePreview, MoveTask, Moved, NetworkCard, Opened, Photo, PhotoTask, PopulateTask, RoomRequest,
     SampleMethod, SampleTask, SampleView, Sampled, Source,
 };
+use super::lived::{ActionChoice, ActionStep, LivedRoom, Mark, Touched};
 use super::motion::{GoalFigures, Placing, Trail};
 use super::samples::Fate;
 use super::selection::Item;
@@ -26,9 +27,10 @@ use crate::assets::{Keypoint, KeypointSet, Material, Mesh, PersonKeypoints};
 use crate::body::Body;
 use crate::document::{Command, Project};
 use crate::evolve::PopulatePreview;
+use crate::evolve::action::{Off, Suggestion, Verdict};
 use crate::generate::sensor::{Intrinsics, SIDE, SceneImage, Valid, View};
 use crate::inspect::{BodyReport, FrameRecord, MotionReport};
-use crate::job::{JobCtx, Seed, Stop, Ticker};
+use crate::job::{Cancelled, JobCtx, Seed, Stop, Ticker};
 use crate::render::{BodySurface, Picture};
 use crate::scene::{
     BETAS, BodyParams, Category, Clip, ClipId, FieldConfig, Frame, GeometryConfig, GoalPose, Leg, Object,
@@ -59,6 +61,87 @@ struct FakeEngine {
     moves: Mutex<Vec<MoveTask>>,
     /// Motions that were written: format, file, how many.
     written: Mutex<Vec<(MotionFormat, PathBuf, usize)>>,
+}
+
+/// A room where one can read (60 %), eat (30 %) or nap (10 %, not possible); each action brings one thing.
+#[derive(Clone)]
+struct FakeLife {
+    room: Room,
+    steps: Vec<ActionStep>,
+    banned: Vec<String>,
+    slow: bool,
+}
+
+impl LivedRoom for FakeLife {
+    fn suggestions(&self) -> Vec<Suggestion> {
+        let of = |node, action: &str, probability| Suggestion {
+            node,
+            action: action.to_owned(),
+            probability,
+            keys: vec![ObjectId(1)],
+        };
+        vec![of(0, "read on sofa", 0.6), of(1, "eat on sofa", 0.3), of(2, "nap on sofa", 0.1)]
+    }
+
+    fn off(&self) -> Vec<Off> {
+        vec![Off { node: 3, action: "cook".to_owned(), why: "there is no kitchen here".to_owned() }]
+    }
+
+    fn draw_next(&self, refused: u64) -> Option<usize> {
+        Some(if refused == 0 { 2 } else { self.steps.len() % 2 })
+    }
+
+    fn apply(&self, node: usize, roll: u64) -> Result<Arc<dyn LivedRoom>, Stop> {
+        if node == 2 {
+            return Err(Stop::Failed("\"nap on sofa\" is not possible here: it is too short".to_owned()));
+        }
+        let mut next = self.clone();
+        let kind = if self.banned.iter().any(|kind| kind == "book") { "cup" } else { "book" };
+        let id = next.room.objects.len() as u32;
+        let mut brought = thing(id, kind, Category::Chair, 0.5);
+        brought.world_from_object = Affine3A::from_translation(Vec3::X * roll as f32 * 0.1);
+        next.room.objects.push(brought);
+        let touched = vec![Touched {
+            id: ObjectId(id),
+            line: format!("{kind} came, on Red sofa"),
+            kind: kind.to_owned(),
+        }];
+        let (at, score) = (Vec3::Y * 0.4, 1.0);
+        let marks = vec![Mark { object: kind.to_owned(), at, verdict: Verdict::Taken, score }];
+        let action = self.suggestions()[node].action.clone();
+        next.steps.push(ActionStep { node, action, touched, marks, ..ActionStep::default() });
+        Ok(Arc::new(next))
+    }
+
+    fn decided(&self, choice: &ActionChoice, _: &[ObjectId]) -> Arc<dyn LivedRoom> {
+        Arc::new(Self { banned: choice.banned.clone(), ..self.clone() })
+    }
+
+    fn last_step(&self) -> Option<ActionStep> {
+        self.steps.last().cloned()
+    }
+
+    fn step_count(&self) -> usize {
+        self.steps.len()
+    }
+
+    fn room(&self) -> Room {
+        self.room.clone()
+    }
+
+    fn people(&self, first_id: u32) -> Vec<Person> {
+        vec![somebody(first_id)]
+    }
+
+    fn fitted_people(&self, first: u32, ticker: &Ticker) -> Result<Vec<(Person, BodyReport)>, Cancelled> {
+        while self.slow {
+            ticker.check()?;
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let mut fitted = somebody(first);
+        fitted.body.translation.y = 0.9;
+        Ok(vec![(fitted, measured_mm(2.0))])
+    }
 }
 
 /// Frames of a leg of the fake.
@@ -353,6 +436,18 @@ impl Engine for FakeEngine {
 
     fn stand_in(&self, goal: &SubGoal, _: &[f32; BETAS]) -> Frame {
         Frame { translation: goal.at + Vec3::Y, ..Frame::default() }
+    }
+
+    fn look_for_actions(
+        &self,
+        room: &Arc<Room>,
+        _: &ActionChoice,
+        _: u64,
+        _: &Ticker,
+    ) -> Result<Arc<dyn LivedRoom>, Stop> {
+        let slow = *self.making.lock().unwrap() == Making::Endless;
+        let (room, steps, banned) = (room.as_ref().clone(), Vec::new(), Vec::new());
+        Ok(Arc::new(FakeLife { room, steps, banned, slow }))
     }
 
     fn export_motion(&self, path: &Path, export: &MotionExport, _: &Ticker) -> Result<usize, Stop> {
@@ -1206,4 +1301,118 @@ fn a_study_is_blind_scored_by_key_and_leaves_the_users_room_as_it_was() {
     for file in ["scores-Ada.csv", "summary.csv"] {
         assert!(folder.path().join(file).is_file(), "{file}");
     }
+}
+
+impl User {
+    /// Looks at the study for actions, in a panel that is open.
+    fn looks_for_actions(&mut self) {
+        self.state().requests.show_actions = true;
+        self.sees();
+        self.harness.get_by_label("What can be done here?").click();
+        self.waits(|state| state.life_now().is_some());
+    }
+
+    fn does(&mut self, action: &str) {
+        self.harness.get_by_label_contains(action).click();
+        self.sees();
+        self.waits(|state| !state.is_living());
+    }
+
+    fn objects(&self) -> Vec<String> {
+        let room = &self.harness.state().state.document.scene().room;
+        room.objects.iter().map(|o| o.name.clone()).collect()
+    }
+}
+
+#[test]
+fn actions_are_suggested_most_probable_first_and_hovering_points_out_where() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    let tops: Vec<f32> = ["read on sofa (60 %)", "eat on sofa (30 %)", "nap on sofa (10 %)"]
+        .map(|name| user.harness.get_by_label(name).rect().top())
+        .to_vec();
+    assert!(tops.windows(2).all(|pair| pair[0] < pair[1]), "{tops:?}");
+    user.harness.get_by_label("read on sofa (60 %)").hover();
+    user.sees();
+    assert_eq!(user.state().living.pointed_out, [ObjectId(1)]);
+    user.harness.get_by_label("Not possible here (1)");
+}
+
+#[test]
+fn an_action_is_one_step_with_its_person_and_undo_takes_all_of_it_back() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("read on sofa (60");
+    assert_eq!(user.history(), ["read on sofa"]);
+    assert_eq!(user.objects(), ["Oak floor", "Red sofa", "book"]);
+    let person = user.state().document.scene().people[0].clone();
+    assert_eq!(person.body.translation.y, 0.9, "fitted");
+    assert_eq!(user.state().measured(person.id).map(|m| m.report.metrics.penetration_max_mm), Some(2.0));
+    user.harness.get_by_label_contains("book came, on Red sofa");
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!((user.objects().len(), user.people()), (2, 0));
+    assert_eq!(user.state().life_now(), Some(0), "the panel knows where it is");
+    user.presses(Modifiers { shift: true, ..Modifiers::COMMAND }, Key::Z);
+    assert_eq!((user.objects().len(), user.state().life_now()), (3, Some(1)));
+}
+
+#[test]
+fn two_futures_of_one_room_are_branches_that_one_can_go_to_and_fro_between() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("read on sofa (60");
+    user.does("eat on sofa (30");
+    user.state().re_roll_action();
+    user.waits(|state| !state.is_living());
+    let tree = &user.state().living.tree;
+    assert_eq!(
+        tree.iter().map(|node| (node.parent, node.roll)).collect::<Vec<_>>()[2..],
+        [(Some(1), 0), (Some(1), 1)]
+    );
+    assert_eq!(user.people(), 1, "whoever ate before is gone");
+    assert!(user.state().show_life(2));
+    assert_eq!(user.state().life_now(), Some(2));
+    assert!(user.state().show_life(0));
+    assert_eq!((user.objects().len(), user.people()), (2, 0));
+    assert_eq!(user.history().last().map(String::as_str), Some("Go to the room as it was"));
+}
+
+#[test]
+fn a_sampled_chain_skips_what_is_not_possible_and_is_a_step_for_each_action() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.state().living.count = 3;
+    user.state().start_chain();
+    user.waits(|state| !state.is_living());
+    assert_eq!(user.history(), ["read on sofa", "eat on sofa", "read on sofa"]);
+    assert_eq!((user.objects().len(), user.people()), (5, 1));
+}
+
+#[test]
+fn a_banned_kind_is_not_brought_again_and_a_cancelled_action_keeps_what_was_done() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("read on sofa (60");
+    user.state().ban_kind("book");
+    user.waits(|state| !state.is_living());
+    assert_eq!(user.objects(), ["Oak floor", "Red sofa", "cup"]);
+    *user.engine.making.lock().unwrap() = Making::Endless;
+    user.state().apply(Command::MoveObject(ObjectId(1), Affine3A::from_translation(Vec3::X)));
+    assert_eq!(user.state().life_now(), None, "changed by hand");
+    user.sees();
+    user.harness.get_by_label("Look at the room again").click();
+    user.waits(|state| state.life_now().is_some());
+    user.state().start_action(0);
+    user.waits(|state| !state.ghosts.is_empty());
+    user.state().cancel_all();
+    assert!(user.history().last().is_some_and(|label| label == "read on sofa") && !user.state().is_living());
+}
+
+#[test]
+fn an_action_that_is_not_possible_says_why_and_changes_nothing() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("nap on sofa (10");
+    assert!(user.errors()[0].contains("it is too short"), "{:?}", user.errors());
+    assert!(user.history().is_empty());
 }

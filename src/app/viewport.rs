@@ -6,6 +6,7 @@ use glam::Vec3;
 use super::actions;
 use super::canvas::Canvas;
 use super::goal_marks;
+use super::life_marks;
 use super::motion::Placing;
 use super::overlay3d;
 use super::panels;
@@ -32,6 +33,7 @@ pub fn viewport(ui: &mut Ui, state: &mut EditorState, canvas: &mut Canvas) -> bo
     transform(ui, state, rect);
     canvas.show(ui, rect, state, hovered.map(|h| h.item));
     goal_marks::marks(ui, state, rect, hovered.map(|h| h.item));
+    life_marks::marks(ui, state, rect);
     photo_over_view(ui, state, rect);
     if state.transform.is_some() {
         end_transform(ui, state, &response);

@@ -38,6 +38,7 @@ enum Pane {
     Sample,
     Photo,
     Motion,
+    Actions,
     Inspector,
     Why,
     Candidates,
@@ -218,6 +219,7 @@ impl Window {
             (requests.show_why, Pane::Why),
             (requests.show_photo, Pane::Photo),
             (requests.show_motion, Pane::Motion),
+            (requests.show_actions, Pane::Actions),
             (requests.show_timeline, Pane::Timeline),
         ] {
             if asked {
@@ -417,7 +419,7 @@ fn layout() -> Tree<Pane> {
     let people = tabs(&[Pane::People]);
     let view = tabs(&[Pane::Viewport]);
     let below = tabs(&[Pane::Findings, Pane::Timeline, Pane::Candidates, Pane::Energies, Pane::Jobs]);
-    let populate = tabs(&[Pane::Populate, Pane::Sample, Pane::Photo, Pane::Motion]);
+    let populate = tabs(&[Pane::Populate, Pane::Sample, Pane::Photo, Pane::Motion, Pane::Actions]);
     let inspector = tabs(&[Pane::Inspector, Pane::Why]);
     let mut column =
         |children: [TileId; 2], shares: [f32; 2]| linear(&mut tiles, LinearDir::Vertical, &children, &shares);
@@ -455,6 +457,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Sample => panels::sample,
             Pane::Photo => panels::photo,
             Pane::Motion => panels::motion,
+            Pane::Actions => panels::living,
             Pane::Inspector => panels::inspector,
             Pane::Why => panels::why,
             Pane::Candidates => panels::sheet,
@@ -476,6 +479,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Sample => "Sample".to_owned(),
             Pane::Photo => "Photo".to_owned(),
             Pane::Motion => "Motion".to_owned(),
+            Pane::Actions => "Actions".to_owned(),
             Pane::Timeline => "Timeline".to_owned(),
             Pane::Inspector => "Inspector".to_owned(),
             Pane::Why => "Why like this".to_owned(),

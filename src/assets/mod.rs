@@ -1,4 +1,5 @@
-//! Files to checked, immutable values and back: glTF, OBJ, PLY, images, npz, BVH, weights, the disk cache.
+//! Files to checked, immutable values and back: glTF, OBJ, PLY, images, npz, BVH, annotations of photos, weights, the
+//! disk cache.
 //!
 //! May name `math` only. No file is trusted: counts are checked against a [`Budget`] and against the bytes
 //! that are there before anything is allocated; paths inside a file stay in its folder; nothing is fetched.
@@ -29,6 +30,7 @@ mod model;
 mod npz_write;
 mod obj;
 mod objects;
+pub mod photos;
 mod picture;
 mod ply;
 mod read;

@@ -37,7 +37,7 @@ pub use limits::{JointLimit, joint_limits, worst_excess};
 pub use model::{BodyModel, BodyModelError};
 pub use parts::{BodyPart, BodyParts, Seams, part_at};
 pub use pose_decoder::PoseDecoder;
-pub use pose_space::{BodyPose, PoseSpace, PoseTape};
+pub use pose_space::{BodyPose, PoseSpace, PoseTape, mirrored};
 pub use posed::{Body, Posed};
 pub use regions::{ContactRegions, Region};
 pub use retarget::{RetargetError, retarget};

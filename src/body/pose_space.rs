@@ -2,10 +2,15 @@ use glam::Vec3;
 
 use crate::scene::POSE;
 
-use super::joints::BODY_JOINTS;
+use super::joints::{self, BODY_JOINTS};
 
 /// Axis-angle vectors of SMPL-X's body joints 1 to 21, radians, each in its parent's frame.
 pub type BodyPose = [Vec3; BODY_JOINTS];
+
+/// The pose as its mirror image.
+pub fn mirrored(pose: &BodyPose) -> BodyPose {
+    std::array::from_fn(|j| joints::mirror_axis_angle(pose[joints::mirror(j + 1) - 1]))
+}
 
 /// What a pose space remembers of a decoding for its gradient; scratch memory that is reused.
 #[derive(Clone, Debug, Default)]

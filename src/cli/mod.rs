@@ -13,6 +13,7 @@ mod figures;
 mod generate;
 mod import;
 mod inspect;
+mod learn;
 mod load;
 mod network;
 mod output;
@@ -88,8 +89,17 @@ pub struct WindowArguments {
     /// Colour the people by penetration and contact in the picture.
     #[arg(long, requires = "screenshot")]
     pub heat: bool,
-    /// Show this in the picture: `palette`, `shortcuts`, `help`, `import`, `history`, `samples`, `why`, `new-room`
-    /// or `networks`.
+    /// Place a sub-goal at `X,Z` or `X,Z,stand|sit|lie|walk` (metres) and make the motion; once for each sub-goal.
+    #[arg(long, value_name = "GOAL", requires = "screenshot", allow_hyphen_values = true)]
+    pub goal: Vec<String>,
+    /// Show the motion at this time, seconds.
+    #[arg(long, value_name = "S", requires = "goal", default_value_t = 0.0)]
+    pub at: f32,
+    /// Let this many actions happen before the picture is taken.
+    #[arg(long, value_name = "N", requires = "screenshot", default_value_t = 0)]
+    pub actions: usize,
+    /// Show this in the picture: `palette`, `shortcuts`, `help`, `import`, `history`, `samples`, `why`, `new-room`,
+    /// `networks`, `motion`, `actions` or `study`.
     #[arg(long, value_name = "NAME", requires = "screenshot")]
     pub overlay: Option<String>,
     /// Zoom on the selected person.
@@ -112,7 +122,10 @@ pub enum Command {
     Generate(generate::GenerateArguments),
     /// Let actions happen in a room: people come, things are brought, moved and left about.
     Evolve(evolve::EvolveArguments),
-    /// Learn from data.
+    /// Learn statistics of people: actions from annotated photos, poses from clips.
+    #[command(subcommand)]
+    Learn(learn::Learn),
+    /// Train networks on data.
     #[command(subcommand)]
     Train(train::Train),
     /// Say how good something is: tables and pictures.
@@ -177,6 +190,7 @@ pub fn run(command: Command) -> ExitCode {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Evolve(arguments) => evolve::run(&arguments),
+        Command::Learn(subject) => learn::run(&subject),
         Command::Train(subject) => train::run(&subject),
         Command::Evaluate(subject) => evaluate::run(&subject),
         Command::Stage(arguments) => stage::run(&arguments),

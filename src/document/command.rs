@@ -24,6 +24,20 @@ pub enum Command {
         /// The new room.
         room: Arc<Room>,
     },
+    /// Puts the room as an action has left it in place of the present one: things came and moved, some people left
+    /// and others came. Things that stay keep their ids; motions stay.
+    ChangeRoom {
+        /// What the history calls it.
+        label: String,
+        /// The room afterwards.
+        room: Arc<Room>,
+        /// Who leaves.
+        leaving: Vec<PersonId>,
+        /// Who comes. The document numbers them; their own ids are not looked at.
+        arriving: Vec<Person>,
+        /// The room that it was made from.
+        made_for: Option<RoomVersion>,
+    },
     /// Adds people. The document numbers them; their own ids are not looked at.
     AddPeople {
         /// Who comes.
@@ -100,6 +114,7 @@ impl Command {
         let motions = |n| many(n, "motion", "motions");
         match self {
             Self::OpenRoom { room } => format!("Open {}", room.name),
+            Self::ChangeRoom { label, .. } => label.clone(),
             Self::AddPeople { people: who, .. } => format!("Add {}", people(who.len())),
             Self::ReplacePeople { people: who, .. } => format!("Re-roll {}", people(who.len())),
             Self::RemovePeople(who) => format!("Remove {}", people(who.len())),
@@ -149,6 +164,9 @@ pub enum Refused {
     /// The motion was removed in the meantime.
     #[error("Motion {} is no longer there; nothing was changed.", .0.0)]
     NoSuchClip(ClipId),
+    /// Two objects of a room have the same id.
+    #[error("Two objects of the room have the number {}; it was not taken.", .0.0)]
+    ObjectTwice(ObjectId),
     /// Two sub-goals of a motion have the same name, so that nobody could tell them apart.
     #[error("Two sub-goals of {0} have the same number; they were not taken.")]
     GoalTwice(String),

@@ -29,6 +29,9 @@ pub(super) type Decision = Result<Option<Change>, Refused>;
 pub(super) fn decide(state: &State, command: Command) -> Decision {
     match command {
         Command::OpenRoom { room } => Ok(Some(open_room(state, room))),
+        Command::ChangeRoom { room, leaving, arriving, made_for, .. } => {
+            change_room(state, room, &leaving, arriving, made_for)
+        }
         Command::AddPeople { people, made_for } => add_people(state, people, made_for),
         Command::ReplacePeople { people, made_for } => replace_people(state, people, made_for),
         Command::RemovePeople(ids) => remove_people(state, &ids),
@@ -74,6 +77,30 @@ fn open_room(state: &State, mut room: Arc<Room>) -> Change {
     }
     let after = RoomState { room, people: Vec::new(), clips: Vec::new() };
     Change::RoomReplaced { before, after }
+}
+
+fn change_room(
+    state: &State,
+    room: Arc<Room>,
+    leaving: &[PersonId],
+    arriving: Vec<Person>,
+    made_for: Option<RoomVersion>,
+) -> Decision {
+    same_room(state, made_for)?;
+    let mut seen = BTreeSet::new();
+    if let Some(twice) = room.objects.iter().find(|object| !seen.insert(object.id)) {
+        return Err(Refused::ObjectTwice(twice.id));
+    }
+    if let Some(bad) = room.objects.iter().find(|object| !object.world_from_object.is_finite()) {
+        return Err(Refused::BadTransform(bad.name.clone()));
+    }
+    arriving.iter().try_for_each(finite)?;
+    let Scene { room: old, people, clips } = state.scene.clone();
+    let mut after: Vec<Person> = people.iter().filter(|p| !leaving.contains(&p.id)).cloned().collect();
+    let numbers = (state.next.person..).map(PersonId);
+    after.extend(arriving.into_iter().zip(numbers).map(|(person, id)| Person { id, ..person }));
+    let before = RoomState { room: old, people, clips: clips.clone() };
+    Ok(Some(Change::RoomReplaced { before, after: RoomState { room, people: after, clips } }))
 }
 
 fn add_people(state: &State, people: Vec<Person>, made_for: Option<RoomVersion>) -> Decision {

@@ -411,6 +411,33 @@ fn opening_another_room_can_be_undone_and_its_objects_have_new_ids() {
 }
 
 #[test]
+fn an_action_changes_room_and_people_in_one_step_and_what_stays_keeps_its_number() {
+    let mut user = User::opens_the_study();
+    let ids = user.adds(&["Ada", "Bo"]);
+    let made_for = Some(user.document.room_version());
+    let mut lived = user.document.scene().room.as_ref().clone();
+    lived.objects.push(object(2, "Book", Category::Chair));
+    let lived = Arc::new(lived);
+    let read = |room: &Arc<Room>, made_for| Command::ChangeRoom {
+        label: "read book on sofa".to_owned(),
+        room: room.clone(),
+        leaving: vec![ids[0]],
+        arriving: vec![person("Cleo")],
+        made_for,
+    };
+    user.does(read(&lived, made_for)).unwrap();
+    assert_eq!(user.names(), ["Bo", "Cleo"]);
+    assert_eq!(user.document.scene().room.objects.len(), 3);
+    assert_eq!(user.document.past_labels().last(), Some("read book on sofa"));
+    assert_eq!(user.does(read(&lived, made_for)), Err(Refused::RoomChanged));
+    user.document.undo();
+    assert_eq!((user.names(), user.document.room_version()), (vec!["Ada", "Bo"], made_for.unwrap()));
+    let mut twice = lived.as_ref().clone();
+    twice.objects[2].id = ObjectId(0);
+    assert_eq!(user.does(read(&Arc::new(twice), None)), Err(Refused::ObjectTwice(ObjectId(0))));
+}
+
+#[test]
 fn copies_share_their_mesh() {
     let mut user = User::opens_the_study();
     user.does(Command::DuplicateObjects(vec![ObjectId(1)], Vec3::X)).unwrap();

@@ -5,9 +5,9 @@ use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::assets::PoseClip;
-use crate::body::joints::{self, LEFT_ELBOW, LEFT_SHOULDER, RIGHT_ELBOW, RIGHT_SHOULDER};
-use crate::body::{BodyModel, BodyPose, FamilyHints, JointLimit, joint_limits, sample_pose};
+use crate::body::{BodyModel, BodyPose, FamilyHints, JointLimit, joint_limits, mirrored, sample_pose};
 use crate::job::{Cancelled, Rng, Seed, Ticker};
+use crate::motion::capture::is_calibration;
 use crate::scene::PoseFamily;
 
 /// What a corpus is made of.
@@ -165,17 +165,6 @@ impl PoseCorpus {
     }
 }
 
-/// The pose as its mirror image.
-pub fn mirrored(pose: &BodyPose) -> BodyPose {
-    std::array::from_fn(|j| joints::mirror_axis_angle(pose[joints::mirror(j + 1) - 1]))
-}
-
-/// Both arms held straight out: how many files begin, and nobody stands.
-fn is_calibration(pose: &BodyPose) -> bool {
-    let turned = [LEFT_SHOULDER, RIGHT_SHOULDER, LEFT_ELBOW, RIGHT_ELBOW].map(|j| pose[j - 1].length());
-    turned.iter().all(|angle| *angle < 0.35)
-}
-
 fn shuffle<T>(items: &mut [T], rng: &mut Rng) {
     for i in (1..items.len()).rev() {
         items.swap(i, rng.random_range(0..=i));
@@ -224,6 +213,7 @@ fn random_hints(family: PoseFamily, rng: &mut Rng) -> FamilyHints {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::joints::{self, LEFT_SHOULDER};
     use crate::body::{Body, worst_excess};
 
     fn clip(name: &str, frames: usize, turn: f32) -> PoseClip {

@@ -8,9 +8,11 @@
 mod adam;
 mod graph;
 mod layers;
+pub mod motion;
 mod params;
 mod pose_vae;
 pub mod psi;
+mod vae;
 
 pub use adam::NetworkAdam;
 pub use graph::{Graph, Mode, cpu_device, numbers, tensor, training_device};

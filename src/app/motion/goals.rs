@@ -16,6 +16,8 @@ use crate::scene::SubGoal;
 use crate::scene::SubGoalId;
 use crate::scene::facing_of;
 
+/// The planner numbers its own sub-goals from here (`motion::plan`).
+const PLANNED: u32 = 0x4000_0000;
 /// A drag shorter than this leaves the facing to the planner, metres.
 const SHORTEST_FACING_M: f32 = 0.12;
 
@@ -223,8 +225,24 @@ fn start_of(person: &Person, id: SubGoalId) -> SubGoal {
 
 /// A number that no sub-goal of the motion has, nor one that its frames still speak of.
 fn free_id(goals: &[SubGoal], spoken_of: impl Iterator<Item = SubGoalId>) -> SubGoalId {
-    let known = goals.iter().map(|goal| goal.id).chain(spoken_of);
+    let known = goals.iter().map(|goal| goal.id).chain(spoken_of).filter(|id| id.0 < PLANNED);
     SubGoalId(known.map(|id| id.0 + 1).max().unwrap_or(0))
+}
+
+/// The motion's sub-goals, those named by `anew` under numbers that were never used and without their bodies: a body
+/// is drawn by its sub-goal's number, so this gives somebody else there.
+pub fn renumbered(clip: &Clip, anew: &[SubGoalId]) -> Vec<SubGoal> {
+    let spoken_of = clip.legs.iter().flat_map(|leg| [leg.from, leg.to]);
+    let mut free = free_id(&clip.goals, spoken_of);
+    let renumber = |goal: &SubGoal| {
+        if !anew.contains(&goal.id) {
+            return goal.clone();
+        }
+        let id = free;
+        free.0 += 1;
+        SubGoal { id, body: None, ..goal.clone() }
+    };
+    clip.goals.iter().map(renumber).collect()
 }
 
 /// Whether the person is the one that a motion which is shown moves: then only the motion shows them.

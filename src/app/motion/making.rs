@@ -16,6 +16,8 @@ pub struct Making {
     pub job: Job<Moved, MovePreview>,
     version: RoomVersion,
     clip: ClipId,
+    /// What the user chose; a clip made of it says so, whatever became of it on the way.
+    seed: u64,
 }
 
 impl std::fmt::Debug for Making {
@@ -71,7 +73,8 @@ impl EditorState {
         let work = move |cx: &JobCtx<MovePreview>| engine.synthesise(&task, cx);
         let name = format!("Synthesise {}", clip.name);
         let job = Job::spawn(name, Seed::root(options.seed), self.waker(), work);
-        self.jobs.making = Some(Making { job, version: self.document.room_version(), clip: clip.id });
+        let version = self.document.room_version();
+        self.jobs.making = Some(Making { job, version, clip: clip.id, seed: options.seed });
         self.motion.preview = None;
         self.requests.show_timeline = true;
     }
@@ -80,19 +83,21 @@ impl EditorState {
         let Some(making) = &mut self.jobs.making else { return };
         if let Some(preview) = making.job.take_preview() {
             let first = self.motion.preview.is_none();
-            self.motion.preview = Some(Arc::new(Clip { id: making.clip, ..preview.clip.as_ref().clone() }));
+            let shown = Clip { id: making.clip, seed: making.seed, ..preview.clip.as_ref().clone() };
+            self.motion.preview = Some(Arc::new(shown));
             self.motion.player.playing |= first && preview.clip.frames.len() > 1;
         }
         let Some(making) = &mut self.jobs.making else { return };
         let Some(outcome) = making.job.poll() else { return };
         let (name, version, id) = (making.job.name().to_owned(), making.version, making.clip);
+        let seed = making.seed;
         self.jobs.making = None;
         self.motion.preview = None;
         let Some(moved) = self.taken(&name, outcome) else { return };
         for remark in &moved.remarks {
             self.notices.warning(remark.clone());
         }
-        self.keep_motion(id, moved.clip, version);
+        self.keep_motion(id, Clip { seed, ..moved.clip }, version);
         if let (Some(report), Some(clip)) = (moved.report, self.document.scene().clip(id).cloned()) {
             self.keep_clip_report(&clip, version, report);
         }
@@ -125,7 +130,8 @@ impl EditorState {
         self.motion.preview = None;
         match best {
             Some(clip) => {
-                if self.keep_motion(making.clip, clip.as_ref().clone(), making.version) {
+                let best = Clip { seed: making.seed, ..clip.as_ref().clone() };
+                if self.keep_motion(making.clip, best, making.version) {
                     self.notices.info("Cancelled. The motion as it was by then is kept; undo takes it back.");
                 }
             }

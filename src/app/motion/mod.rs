@@ -11,7 +11,7 @@ mod player;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-pub use goals::{Placing, carried_goal, moves};
+pub use goals::{Placing, carried_goal, moves, renumbered};
 pub use making::Making;
 pub use measuring::{MeasuredClip, Measuring};
 pub use player::{Player, SPEEDS};

@@ -34,7 +34,7 @@ impl GroupModel {
 /// nor too near to anybody. `people_spread` is the largest distance between two of them, in the same unit.
 pub fn is_shared(distances: &[f32], people_spread: f32) -> bool {
     let (nearest, farthest) = extent(distances);
-    farthest < MOST_OF_SPREAD * people_spread && farthest < MOST_UNEVEN * nearest
+    !distances.is_empty() && farthest < MOST_OF_SPREAD * people_spread && farthest < MOST_UNEVEN * nearest
 }
 
 /// How well a place suits a shared object, up to a factor (eq. 8): 1 over the distance of the farthest person.

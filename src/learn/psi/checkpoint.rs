@@ -22,6 +22,19 @@ pub enum TrainError {
         "the corpus has no body of the training split that any of its views shows; stage one with `inhabit stage`"
     )]
     NoBodies,
+    /// No motion to learn from.
+    #[error(
+        "the corpus has no clip to learn {what} from: put motion clips of some seconds there (BVH, npz, text)"
+    )]
+    NoClips {
+        /// What should be learnt.
+        what: &'static str,
+    },
+    /// PoseNet is trained with the route that a trained RouteNet gives.
+    #[error(
+        "PoseNet learns along the routes of a trained RouteNet; train one and name its weights with --route"
+    )]
+    NoRoute,
     /// The checkpoint is of another training.
     #[error(
         "{file} is a checkpoint of another training ({differs}); give the same settings as then, or begin anew without --resume"
@@ -55,7 +68,7 @@ pub enum TrainError {
 
 /// A network with its optimiser.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Trained {
+pub(in crate::learn) struct Trained {
     pub params: Params,
     pub adam: NetworkAdam,
 }
@@ -174,13 +187,18 @@ impl TrainingState {
 }
 
 impl Trained {
-    fn load(&mut self, weights: &Weights, steps: u64) -> Result<(), WeightsError> {
+    /// Takes numbers and optimiser's state of a checkpoint.
+    pub fn load(&mut self, weights: &Weights, steps: u64) -> Result<(), WeightsError> {
         self.params.load(weights)?;
         self.adam.load("adam", &self.params, weights, steps)
     }
 }
 
-fn note<T: serde::de::DeserializeOwned>(weights: &Weights, name: &str) -> Result<T, WeightsError> {
+/// A note of a checkpoint, from JSON.
+pub(in crate::learn) fn note<T: serde::de::DeserializeOwned>(
+    weights: &Weights,
+    name: &str,
+) -> Result<T, WeightsError> {
     let damaged = |cause: String| WeightsError::Damaged { file: weights.file.clone(), cause };
     let text = weights.notes.get(name).ok_or_else(|| damaged(format!("it has no note `{name}`")))?;
     serde_json::from_str(text).map_err(|e| damaged(format!("its note `{name}`: {e}")))

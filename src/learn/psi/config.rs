@@ -20,6 +20,16 @@ pub enum RateSchedule {
     Cosine,
 }
 
+impl RateSchedule {
+    /// Factor on the step size after this share of the training.
+    pub fn factor(self, done: f32) -> f32 {
+        match self {
+            Self::Constant => 1.0,
+            Self::Cosine => 0.05 + 0.95 * 0.5 * (1.0 + (std::f32::consts::PI * done.min(1.0)).cos()),
+        }
+    }
+}
+
 /// Named weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LossPreset {
@@ -147,13 +157,7 @@ impl PsiTraining {
 
     /// Factor on the step size after `progress` epochs.
     pub fn rate(&self, progress: f32) -> f32 {
-        match self.schedule {
-            RateSchedule::Constant => 1.0,
-            RateSchedule::Cosine => {
-                let done = (progress / self.epochs.max(1) as f32).min(1.0);
-                0.05 + 0.95 * 0.5 * (1.0 + (std::f32::consts::PI * done).cos())
-            }
-        }
+        self.schedule.factor(progress / self.epochs.max(1) as f32)
     }
 
     /// Whether a run of these settings may go on from a state of `other` at the start of `epoch`: nothing that

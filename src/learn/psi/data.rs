@@ -4,11 +4,10 @@ use rayon::prelude::*;
 
 use crate::assets::content_hash;
 use crate::body::joints::BODY_JOINTS;
-use crate::body::{Body, BodyModel, BodyPose};
+use crate::body::{Body, BodyModel, BodyPose, mirrored};
 use crate::generate::sensor::{Projection, SIDE, Valid, View};
 use crate::job::{Cancelled, Rng, Seed, Ticker};
 use crate::learn::corpus::{Corpus, CorpusPerson, CorpusView, Split};
-use crate::learn::mirrored;
 use crate::nn::psi::{BODY, CLIP_M, SceneInput, ValidArea};
 use crate::scene::{BodyParams, HANDS, POSE};
 

@@ -79,7 +79,7 @@ pub(super) fn class(made: &Reconstruction, device: &Device) -> Tensor<1> {
 
 /// A term whose gradient with respect to `x` is `gradient`, row by row: `Σ x · gradient` with the gradient
 /// held fixed. Its value means nothing.
-pub(super) fn with_gradient(x: &Tensor<2>, gradient: Vec<f32>) -> Tensor<1> {
+pub(in crate::learn) fn with_gradient(x: &Tensor<2>, gradient: Vec<f32>) -> Tensor<1> {
     let fixed = tensor(gradient, x.dims(), &x.device());
     (x.clone() * fixed).sum()
 }
@@ -91,6 +91,6 @@ pub(super) fn adversarial(logits: Tensor<2>, real: bool) -> Tensor<1> {
 }
 
 /// A tensor's one number.
-pub(super) fn value(of: &Tensor<1>) -> f32 {
+pub(in crate::learn) fn value(of: &Tensor<1>) -> f32 {
     numbers(of)[0]
 }

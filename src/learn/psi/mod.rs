@@ -5,11 +5,11 @@
 //! to the bit.
 
 mod adversary;
-mod checkpoint;
+pub(in crate::learn) mod checkpoint;
 mod config;
 mod data;
 mod history;
-mod loss;
+pub(in crate::learn) mod loss;
 mod scene_loss;
 #[cfg(test)]
 mod tests;

@@ -11,10 +11,10 @@ use super::config::{GLOBAL, LOCAL, PsiConfig};
 use super::input::SceneTensors;
 use super::network::Reconstruction;
 use super::trunk::SceneEncoder;
-use super::vae::{Posterior, PosteriorHead};
 use crate::nn::graph::{Graph, numbers, tensor};
 use crate::nn::layers::{LEAKY_SLOPE, Linear};
 use crate::nn::params::{Declaration, Init, ParamId, Params, Role};
+use crate::nn::vae::{Posterior, PosteriorHead};
 
 /// Numbers of the pose code, and where it starts in the local part (after R 6 and betas 10).
 pub const POSE_CODE: usize = 32;

@@ -11,8 +11,8 @@ mod s2;
 #[cfg(test)]
 mod tests;
 mod trunk;
-mod vae;
 
+pub use super::vae::Posterior;
 pub use baseline::{
     DISCRIMINATOR_VERTICES, Discriminator, GAP_M, POSE_CODE, VERTEX_FEATURES, nearest_centre,
 };
@@ -21,4 +21,3 @@ pub use config::{
 };
 pub use input::{CLIP_M, MPCAT40, SceneInput, SceneTensors, ValidArea};
 pub use network::{CONFIG_NOTE, PsiNetwork, PsiSampler, Reconstructed, Reconstruction, normalized};
-pub use vae::Posterior;

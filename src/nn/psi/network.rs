@@ -7,10 +7,10 @@ use super::config::{BODY, PsiConfig, PsiMethod};
 use super::input::{SceneInput, SceneTensors};
 use super::s1::S1;
 use super::s2::S2;
-use super::vae::Posterior;
 use crate::assets::{Weights, WeightsError};
 use crate::nn::graph::{Graph, Mode, cpu_device, numbers, tensor};
 use crate::nn::params::{Declaration, Params};
+use crate::nn::vae::Posterior;
 
 /// Note under which a weight file keeps its [`PsiConfig`].
 pub const CONFIG_NOTE: &str = "config";
@@ -198,7 +198,7 @@ impl PsiSampler {
         let noise =
             tensor(vec![0.0; count * self.config().noise()], [count, self.config().noise()], &self.device);
         let made = self.network.reconstruct(&self.graph, &scene_tensors, given, noise);
-        let divergences: Vec<Vec<f32>> = made.posteriors.iter().map(divergence_of_each).collect();
+        let divergences: Vec<Vec<f32>> = made.posteriors.iter().map(Posterior::divergence_of_each).collect();
         let bodies = numbers(&made.body);
         let body = |i: usize| in_metres(scenes[i], &bodies[i * BODY..(i + 1) * BODY]);
         let divergence = |i: usize| divergences.iter().map(|stage| stage[i]).sum();
@@ -217,10 +217,4 @@ fn in_metres(scene: &SceneInput, body: &[f32]) -> [f32; BODY] {
     let mut x: [f32; BODY] = std::array::from_fn(|i| body[i]);
     x[..3].copy_from_slice(&scene.denormalize([body[0], body[1], body[2]]));
     x
-}
-
-fn divergence_of_each(posterior: &Posterior) -> Vec<f32> {
-    let lv = posterior.log_variance.clone();
-    let each = (lv.clone().exp() + posterior.mean.clone().square() - lv - 1.0) * 0.5;
-    numbers(&each.mean_dim(1))
 }

@@ -6,10 +6,10 @@ use super::config::{BODY, PsiConfig};
 use super::input::SceneTensors;
 use super::network::Reconstruction;
 use super::trunk::SceneEncoder;
-use super::vae::PosteriorHead;
 use crate::nn::graph::Graph;
 use crate::nn::layers::{Linear, ResPair};
 use crate::nn::params::Declaration;
+use crate::nn::vae::PosteriorHead;
 
 /// The one-stage network.
 #[derive(Clone, Debug)]

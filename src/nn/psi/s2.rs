@@ -6,10 +6,10 @@ use super::config::{BODY, GLOBAL, LOCAL, PsiConfig};
 use super::input::SceneTensors;
 use super::network::Reconstruction;
 use super::trunk::SceneEncoder;
-use super::vae::{Posterior, PosteriorHead};
 use crate::nn::graph::Graph;
 use crate::nn::layers::{Linear, ResPair};
 use crate::nn::params::Declaration;
+use crate::nn::vae::{Posterior, PosteriorHead};
 
 /// The two-stage network.
 #[derive(Clone, Debug)]

@@ -1,13 +1,17 @@
-//! Curves and bars as pictures: training losses, tables of results. Takes numbers, returns pixels; plotters
+//! Curves, bars, floor plans and networks as pictures: training losses, tables of results, layouts, graphs. Takes numbers, returns pixels; plotters
 //! draws the strokes, the layout is made here. Knows nothing of what the numbers mean and writes no file.
 
 mod bars;
 mod canvas;
 mod lines;
+mod network;
+mod polar;
 mod ticks;
 
 pub use bars::{BarChart, BarSeries, ReferenceLine};
 pub use lines::{Curve, LineChart, Scale, VerticalMark};
+pub use network::NetworkChart;
+pub use polar::{PolarChart, PolarPanel};
 
 use super::Picture;
 
@@ -51,6 +55,22 @@ pub fn line_chart(chart: &LineChart, size: [u32; 2]) -> Result<Picture, PlotErro
 /// [`PlotError`].
 pub fn bar_chart(chart: &BarChart, size: [u32; 2]) -> Result<Picture, PlotError> {
     canvas::painted(size, &chart.title, |canvas| bars::draw(chart, canvas))
+}
+
+/// Draws densities over floor plans, `size` pixels (width, height).
+///
+/// # Errors
+/// [`PlotError`].
+pub fn polar_chart(chart: &PolarChart, size: [u32; 2]) -> Result<Picture, PlotError> {
+    canvas::painted(size, &chart.title, |canvas| polar::draw(chart, canvas))
+}
+
+/// Draws a network of `size` pixels (width, height).
+///
+/// # Errors
+/// [`PlotError`].
+pub fn network_chart(chart: &NetworkChart, size: [u32; 2]) -> Result<Picture, PlotError> {
+    canvas::painted(size, &chart.title, |canvas| network::draw(chart, canvas))
 }
 
 #[cfg(test)]
@@ -125,5 +145,42 @@ mod tests {
     #[test]
     fn a_chart_too_small_to_read_is_refused() {
         assert!(matches!(line_chart(&losses(), [40, 300]), Err(PlotError::Size { width: 40, .. })));
+    }
+
+    #[test]
+    fn a_density_is_dark_where_it_is_large_and_the_front_is_up() {
+        let panel = PolarPanel {
+            density: Some(std::sync::Arc::new(|_, front| if front > 0.3 { 1.0 } else { 0.0 })),
+            reach: 1.0,
+            ring: 0.5,
+            person: true,
+            ..PolarPanel::default()
+        };
+        let chart = PolarChart { panels: vec![panel], columns: 1, ..PolarChart::default() };
+        let picture = polar_chart(&chart, [300, 340]).expect("drawn");
+        let blue = |rows: std::ops::Range<u32>| {
+            let pixels = rows.flat_map(|y| (0..300).map(move |x| (x, y)));
+            pixels
+                .filter(|(x, y)| {
+                    let p = picture.pixel(*x, *y);
+                    p[2] > p[0].saturating_add(60)
+                })
+                .count()
+        };
+        assert!(blue(60..180) > 2000 && blue(220..340) == 0, "{} {}", blue(60..180), blue(220..340));
+        polar_chart(&PolarChart::default(), [300, 200]).expect("an empty chart");
+    }
+
+    #[test]
+    fn a_more_probable_edge_is_drawn_stronger() {
+        let chart = |p: f64| NetworkChart {
+            title: "Actions".into(),
+            nodes: vec![("a".into(), 1.0, 0), ("b".into(), 1.0, 1), ("c".into(), 1.0, 2)],
+            probability: vec![vec![0.5, 0.5, 0.0], vec![0.0, 1.0 - p, p], vec![0.0, 0.0, 1.0]],
+            successors: 2,
+        };
+        let ink = |p: f64| darkness(&network_chart(&chart(p), [900, 500]).expect("drawn"));
+        assert!(ink(0.5) > ink(0.05) + 50);
+        network_chart(&NetworkChart::default(), [300, 200]).expect("an empty chart");
     }
 }

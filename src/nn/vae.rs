@@ -1,10 +1,10 @@
-//! The variational part that all networks of PSI share.
+//! The variational part that the networks of PSI and of LTM share.
 
 use burn::tensor::Tensor;
 
-use crate::nn::graph::Graph;
-use crate::nn::layers::Linear;
-use crate::nn::params::Declaration;
+use super::graph::{Graph, numbers};
+use super::layers::Linear;
+use super::params::Declaration;
 
 /// The distribution q(z | body, scene) of each body of a batch: `[batch, latent]` each.
 #[derive(Clone)]
@@ -26,6 +26,13 @@ impl Posterior {
     pub fn divergence(&self) -> Tensor<1> {
         let lv = self.log_variance.clone();
         ((lv.clone().exp() + self.mean.clone().square() - lv - 1.0) * 0.5).mean()
+    }
+
+    /// The same of each body, mean over its latent numbers.
+    pub fn divergence_of_each(&self) -> Vec<f32> {
+        let lv = self.log_variance.clone();
+        let each = (lv.clone().exp() + self.mean.clone().square() - lv - 1.0) * 0.5;
+        numbers(&each.mean_dim(1))
     }
 }
 

@@ -1,0 +1,289 @@
+//! Actions: what can be done in the room next, what was done and why things are where they are.
+
+use egui::{
+    Button, CollapsingHeader, Color32, DragValue, Rect, RichText, ScrollArea, Sense, Slider, Ui, vec2,
+};
+
+use super::{empty, title};
+use crate::app::icons::{self, Icon};
+use crate::app::jobs::JobKind;
+use crate::app::state::EditorState;
+use crate::app::theme;
+use crate::document::Command;
+use crate::evolve::action::{ActionKind, Suggestion};
+
+/// Draws the panel.
+pub fn living(ui: &mut Ui, state: &mut EditorState) {
+    state.living.pointed_out.clear();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let now = state.life_now();
+        head(ui, state, now);
+        if let Some(now) = now {
+            suggestions(ui, state, now);
+            off(ui, state, now);
+        }
+        if !state.living.tree.is_empty() {
+            title(ui, "What was done");
+            tree(ui, state, now);
+        }
+        if let Some(now) = now {
+            last_step(ui, state, now);
+        }
+    });
+}
+
+fn head(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
+    let palette = theme::palette(ui.visuals());
+    let size = [ui.available_width(), 32.0];
+    if state.is_living() {
+        if ui.add_sized(size, Button::new("Stop and keep")).clicked() {
+            state.cancel(JobKind::Act);
+        }
+        return;
+    }
+    if now.is_none() {
+        let known = !state.living.tree.is_empty();
+        let text = if known { "Look at the room again" } else { "What can be done here?" };
+        let button =
+            Button::new(RichText::new(text).size(14.0).color(palette.on_accent)).fill(palette.accent);
+        let tip = "Finds the desks, tables, couches and beds where something can be done, and everything that can be \
+                   moved: a few seconds";
+        let response = ui.add_enabled_ui(state.has_room(), |ui| ui.add_sized(size, button)).inner;
+        if response.on_hover_text(tip).clicked() {
+            state.look_for_actions();
+        }
+        if known {
+            ui.label(RichText::new("The room was changed by hand since the last action.").small().weak());
+        }
+        return;
+    }
+    ui.horizontal(|ui| {
+        let text =
+            RichText::new(format!("Sample {}", state.living.count)).size(14.0).color(palette.on_accent);
+        let button = Button::new(text).fill(palette.accent);
+        let tip = "Lets the chain of actions run: each is drawn by what follows what in the photos";
+        if ui.add_sized([120.0, 30.0], button).on_hover_text(tip).clicked() {
+            state.start_chain();
+        }
+        ui.add(Slider::new(&mut state.living.count, 1..=30).show_value(false))
+            .on_hover_text("How many actions");
+        let rolls = state.living.tree.get(now.unwrap_or(0)).is_some_and(|node| node.step.is_some());
+        let re_roll = ui.add_enabled(rolls, Button::new("Re-roll"));
+        if re_roll.on_hover_text("The last action again, with another outcome: a branch beside it").clicked()
+        {
+            state.re_roll_action();
+        }
+    });
+    choices(ui, state);
+}
+
+fn choices(ui: &mut Ui, state: &mut EditorState) {
+    ui.horizontal_wrapped(|ui| {
+        ui.checkbox(&mut state.living.fit, "Fit people")
+            .on_hover_text("Bodies that sit and stand where they are; a second or two for each.");
+        ui.checkbox(&mut state.living.marks, "Why here")
+            .on_hover_text("Shows the places that were tried for each thing, and the working zone.");
+    });
+    CollapsingHeader::new("Choices").id_salt("action choices").show(ui, |ui| {
+        ui.horizontal(|ui| {
+            let label = ui.label("Seed");
+            ui.add(DragValue::new(&mut state.living.seed).speed(0.05))
+                .labelled_by(label.id)
+                .on_hover_text("Used when the room is looked at.");
+        });
+        ui.horizontal(|ui| {
+            ui.label("Groups of");
+            for (size, text) in [(None, "any"), (Some(2), "2"), (Some(3), "3"), (Some(4), "4")] {
+                ui.selectable_value(&mut state.living.choice.group_size, size, text);
+            }
+        });
+        ui.checkbox(&mut state.living.choice.companions, "Plates, paper and the like")
+            .on_hover_text("Things that the photos have no word for.");
+        ui.checkbox(&mut state.living.choice.baseline, "Groups share at random")
+            .on_hover_text("The baseline of ADSE fig. 8, to compare with.");
+        for kind in ActionKind::ALL {
+            let only = &mut state.living.choice.only;
+            let mut on = only.is_empty() || only.contains(&kind);
+            if ui.checkbox(&mut on, kind.label()).changed() {
+                let mut kinds: Vec<ActionKind> =
+                    ActionKind::ALL.into_iter().filter(|k| only.is_empty() || only.contains(k)).collect();
+                kinds.retain(|k| *k != kind);
+                if on {
+                    kinds.push(kind);
+                }
+                *only = if kinds.len() == ActionKind::ALL.len() { Vec::new() } else { kinds };
+            }
+        }
+        banned(ui, state);
+    });
+}
+
+fn banned(ui: &mut Ui, state: &mut EditorState) {
+    let mut free = None;
+    ui.horizontal_wrapped(|ui| {
+        for (i, kind) in state.living.choice.banned.iter().enumerate() {
+            if ui.button(format!("{kind} x")).on_hover_text("Banned; click to allow it again").clicked() {
+                free = Some(i);
+            }
+        }
+    });
+    if let Some(i) = free {
+        state.living.choice.banned.remove(i);
+    }
+}
+
+/// What can be done next, the most probable first; hovering points out where.
+fn suggestions(ui: &mut Ui, state: &mut EditorState, now: usize) {
+    title(ui, "What comes next");
+    let suggestions = state.living.tree[now].lived.suggestions();
+    if suggestions.is_empty() {
+        empty(ui, "Nothing that is known can be done in this room. See below, and why.");
+    }
+    let most = suggestions.first().map_or(1.0, |s| s.probability).max(1e-9);
+    for suggestion in suggestions {
+        let response = suggestion_row(ui, &suggestion, most, !state.is_living());
+        if response.hovered() {
+            state.living.pointed_out.clone_from(&suggestion.keys);
+        }
+        if response.clicked() {
+            state.start_action(suggestion.node);
+        }
+    }
+}
+
+fn suggestion_row(ui: &mut Ui, suggestion: &Suggestion, most: f64, enabled: bool) -> egui::Response {
+    let accent = theme::palette(ui.visuals()).accent;
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 21.0), Sense::click());
+    let name = format!("{} ({:.0} %)", suggestion.action, suggestion.probability * 100.0);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, &name));
+    let visuals = ui.style().interact(&response);
+    let share = (suggestion.probability / most) as f32;
+    let bar = Rect::from_min_size(rect.min, vec2(rect.width() * share, rect.height()));
+    let painter = ui.painter();
+    let back = if response.hovered() { visuals.bg_fill } else { Color32::TRANSPARENT };
+    painter.rect_filled(rect, 3.0, back);
+    painter.rect_filled(bar, 3.0, accent.gamma_multiply(if response.hovered() { 0.4 } else { 0.22 }));
+    let font = egui::FontId::proportional(12.5);
+    let text = painter.with_clip_rect(rect.with_max_x(rect.right() - 42.0));
+    let left = rect.left_center() + vec2(6.0, 0.0);
+    text.text(left, egui::Align2::LEFT_CENTER, &suggestion.action, font, visuals.text_color());
+    painter.text(
+        rect.right_center() - vec2(6.0, 0.0),
+        egui::Align2::RIGHT_CENTER,
+        format!("{:.1} %", suggestion.probability * 100.0),
+        egui::FontId::monospace(11.0),
+        ui.visuals().weak_text_color(),
+    );
+    response.on_hover_text(format!("Click: {}", suggestion.action))
+}
+
+fn off(ui: &mut Ui, state: &EditorState, now: usize) {
+    let off = state.living.tree[now].lived.off();
+    if off.is_empty() {
+        return;
+    }
+    CollapsingHeader::new(format!("Not possible here ({})", off.len())).id_salt("off").show(ui, |ui| {
+        for action in off {
+            ui.label(RichText::new(format!("{}: {}", action.action, action.why)).small().weak());
+        }
+    });
+}
+
+/// Every state that was reached, branches indented; a click goes there.
+fn tree(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
+    let mut wanted = None;
+    for root in 0..state.living.tree.len() {
+        if state.living.tree[root].parent.is_none() {
+            tree_row(ui, state, root, 0, now, &mut wanted);
+        }
+    }
+    if let Some(node) = wanted {
+        state.show_life(node);
+    }
+}
+
+fn tree_row(
+    ui: &mut Ui,
+    state: &EditorState,
+    node: usize,
+    depth: usize,
+    now: Option<usize>,
+    wanted: &mut Option<usize>,
+) {
+    let of = &state.living.tree[node];
+    let what = of.step.as_ref().map_or("the room as it was", |step| step.action.as_str());
+    let roll = if of.roll > 0 { format!(" (outcome {})", of.roll + 1) } else { String::new() };
+    let number = of.lived.step_count();
+    ui.push_id(("life", node), |ui| {
+        ui.horizontal(|ui| {
+            ui.add_space(12.0 * depth as f32);
+            let width = ui.available_width();
+            let text = format!("{number}  {what}{roll}");
+            let button = Button::selectable(now == Some(node), (text, egui::Atom::grow())).truncate();
+            if ui.add(button.min_size(vec2(width, 20.0))).on_hover_text("Go there").clicked() {
+                *wanted = Some(node);
+            }
+        });
+    });
+    let children: Vec<usize> =
+        (0..state.living.tree.len()).filter(|child| state.living.tree[*child].parent == Some(node)).collect();
+    for (i, child) in children.iter().enumerate() {
+        // The first future goes on below, others stand beside it.
+        tree_row(ui, state, *child, depth + usize::from(i > 0), now, wanted);
+    }
+}
+
+/// What the action that is shown did: what came, what moved, what it did without.
+fn last_step(ui: &mut Ui, state: &mut EditorState, now: usize) {
+    let Some(step) = state.living.tree[now].step.clone() else { return };
+    let palette = theme::palette(ui.visuals());
+    title(ui, &step.action);
+    if step.touched.is_empty() {
+        ui.weak("Nothing had to come or to move.");
+    }
+    for (i, thing) in step.touched.iter().enumerate() {
+        let locked = state.document.scene().room.object(thing.id).is_some_and(|object| object.locked);
+        ui.push_id(("touched", i), |ui| {
+            ui.horizontal(|ui| {
+                let width = ui.available_width() - 50.0;
+                let text = (thing.line.as_str(), egui::Atom::grow());
+                let button = Button::selectable(false, text).truncate().min_size(vec2(width, 19.0));
+                let response = ui.add(button).on_hover_text(format!("{}. Click to see it", thing.line));
+                if response.hovered() {
+                    state.living.pointed_out.push(thing.id);
+                }
+                if response.clicked() {
+                    state.look_at_object(thing.id);
+                }
+                let (icon, verb, strength) =
+                    if locked { (Icon::Lock, "Unlock", 0.9) } else { (Icon::Unlock, "Lock", 0.3) };
+                if icons::button(ui, icon, &format!("{verb} {}", thing.line), strength).clicked() {
+                    state.apply(Command::SetObjectsLocked(vec![thing.id], !locked));
+                }
+                if !thing.kind.is_empty() {
+                    let name = format!("Never bring: {}", thing.kind);
+                    if icons::button(ui, Icon::Close, &name, 0.5).clicked() {
+                        state.ban_kind(&thing.kind);
+                    }
+                }
+            });
+        });
+    }
+    for failed in &step.failed {
+        ui.label(RichText::new(failed).small().color(palette.warn));
+    }
+    if state.living.marks {
+        legend(ui);
+    }
+}
+
+/// What the colours of the marks in the view mean.
+fn legend(ui: &mut Ui) {
+    ui.horizontal_wrapped(|ui| {
+        for (verdict, text) in crate::app::life_marks::VERDICTS {
+            let (rect, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
+            ui.painter().circle_filled(rect.center(), 4.0, crate::app::life_marks::color(verdict));
+            ui.label(RichText::new(text).small().weak());
+        }
+    });
+}

@@ -1,0 +1,3 @@
+//! What somebody who watches a leg would miss.
+
+use super::*;
