@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::states::{Job, Node, Task, empty_clip};
-use super::{Cast, JourneyPreview, MotionMethod, Stage};
+use super::{Cast, JourneyPreview, MotionMethod, Stage, by_memory};
 use crate::fit::sequence::{SequenceConfig, SequenceFitter, SequenceTask};
 use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::motion::gait;

@@ -191,7 +191,7 @@ mod tests {
     fn a_cover_is_smooth_and_nowhere_too_low() {
         let needed: Vec<f32> = (0..60).map(|i| if i == 30 { 0.05 } else { 0.0 }).collect();
         let cover = smooth_cover(&needed, 5);
-        assert!(cover.iter().zip(&needed).all(|(c, n)| c >= n), "{cover:?}");
+        assert!(cover.iter().zip(&needed).all(|(c, n)| *c > n - 1e-5), "{cover:?}");
         assert!(cover.windows(2).all(|w| (w[1] - w[0]).abs() < 0.012), "{cover:?}");
         assert_eq!(smooth_cover(&[0.0; 9], 4), [0.0; 9]);
     }
