@@ -154,7 +154,10 @@ impl FrameJoints {
     pub fn reach(&mut self, rest: &[Vec3; JOINTS], limb: &Limb, target: Vec3, end: Quat, pole: Vec3) -> f32 {
         let toes = (limb.end + 3 < POSE_TREE && PARENTS[limb.end + 3] == limb.end).then_some(limb.end + 3);
         let toes = toes.map(|t| (t, self.rotations[limb.end].inverse() * self.rotations[t]));
-        let bend = two_bone(target - self.positions[limb.upper], limb.bones_m(rest), pole, STRAIGHT_SHARE);
+        let to_target = target - self.positions[limb.upper];
+        let bend = two_bone(to_target, limb.bones_m(rest), pole, STRAIGHT_SHARE);
+        // A limb folded so far that its upper bone points away from the target still bends towards the pole.
+        let pole = bend.bones[0].cross(pole.cross(to_target));
         let [upper, lower] = limb.aim(rest, bend.bones, pole);
         self.rotations[limb.upper] = Quat::from_mat3(&upper).normalize();
         self.rotations[limb.lower] = Quat::from_mat3(&lower).normalize();

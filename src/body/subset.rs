@@ -67,6 +67,11 @@ impl VertexSubset {
         subset
     }
 
+    /// Every vertex of one body shape, in the model's order ([`VertexSubset::of_shape`]).
+    pub fn all_of_shape(model: &BodyModel, betas: &[f32; BETAS]) -> Self {
+        Self::of_shape(model, (0..model.template.len() as u32).collect(), betas)
+    }
+
     /// Every vertex of the model, in its order.
     pub fn all(model: &BodyModel) -> Self {
         Self::new(model, (0..model.template.len() as u32).collect())

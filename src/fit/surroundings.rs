@@ -1,6 +1,8 @@
 //! What a fit knows of the room: the distance field, and points on the surfaces near the body. The field
 //! can't tell a limb that a thin sheet cuts through from one beside it; the points can.
 
+use std::collections::HashSet;
+
 use glam::{Mat3, Vec3};
 
 use super::energy::{Energy, Term};
@@ -32,6 +34,16 @@ impl<'a> Surroundings<'a> {
     pub fn new(geometry: &'a RoomGeometry, body_bounds: Aabb) -> Self {
         let near = body_bounds.grown(MARGIN_M);
         Self { field: &geometry.field, surface: surface_samples(geometry.bvh.triangles(), &near, SPACING_M) }
+    }
+
+    /// The surroundings of a motion within `bounds`: surfaces thinned to one point in each cube of [`SPACING_M`], for
+    /// a room's finely tiled furniture has millions of triangles and a motion passes all of it.
+    pub fn along(geometry: &'a RoomGeometry, bounds: Aabb) -> Self {
+        let mut seen = HashSet::new();
+        let mut surface = surface_samples(geometry.bvh.triangles(), &bounds, SPACING_M);
+        surface.retain(|p| seen.insert((*p / SPACING_M).floor().as_ivec3()));
+        surface.shrink_to_fit();
+        Self { field: &geometry.field, surface }
     }
 
     /// The field alone: all that the published method knows.
@@ -79,8 +91,8 @@ impl Intrusions {
     }
 }
 
-/// Vertices sorted into cubes of side [`DEEPEST_M`], so that all within that distance lie in the cubes around.
-struct Bins {
+/// Points sorted into cubes of side [`DEEPEST_M`], so that all within that distance lie in the cubes around.
+pub(super) struct Bins {
     origin: Vec3,
     dim: [usize; 3],
     /// First item of each cube, and one past the last; cubes in z, y, x order, z fastest.
@@ -89,7 +101,7 @@ struct Bins {
 }
 
 impl Bins {
-    fn new(vertices: &[Vec3], bounds: &Aabb) -> Self {
+    pub fn new(vertices: &[Vec3], bounds: &Aabb) -> Self {
         let dim = ((bounds.size() / DEEPEST_M).floor() + Vec3::ONE).as_uvec3().to_array().map(|n| n as usize);
         let mut bins = Self { origin: bounds.min, dim, start: Vec::new(), items: Vec::new() };
         let cubes: Vec<usize> = vertices.iter().map(|v| bins.index(bins.cube(*v))).collect();
@@ -114,6 +126,16 @@ impl Bins {
 
     fn index(&self, [x, y, z]: [usize; 3]) -> usize {
         (x * self.dim[1] + y) * self.dim[2] + z
+    }
+
+    /// Which points lie in the cubes that `bounds` touches: all within it and some beside it.
+    pub fn around(&self, bounds: &Aabb) -> impl Iterator<Item = u32> {
+        let (low, high) = (self.cube(bounds.min), self.cube(bounds.max));
+        let rows = (low[0]..=high[0]).flat_map(move |x| (low[1]..=high[1]).map(move |y| (x, y)));
+        rows.flat_map(move |(x, y)| {
+            let (first, last) = (self.index([x, y, low[2]]), self.index([x, y, high[2]]));
+            self.items[self.start[first] as usize..self.start[last + 1] as usize].iter().copied()
+        })
     }
 
     /// The vertex nearest to `point`, at most [`DEEPEST_M`] away.

@@ -73,6 +73,28 @@ pub struct SequenceConfig {
     pub overlap: usize,
     /// Locks planted feet exactly at the end.
     pub lock_feet: bool,
+    /// How often windows with frames that are still deep in something are gone through, collision weighing
+    /// [`MotionWeights::AGAIN`] times more each time; 1 for never again.
+    pub rounds: usize,
+}
+
+impl MotionWeights {
+    /// Growth of the weights against entering things from round to round.
+    pub const AGAIN: f32 = 4.0;
+}
+
+impl Stage {
+    /// This stage in a later round: ours weighs what keeps bodies out of things more, the published one is the same.
+    #[must_use]
+    pub fn of_round(mut self, round: usize) -> Self {
+        if let MotionObjective::Ours(weights) = &mut self.objective {
+            let growth = MotionWeights::AGAIN.powi(round as i32);
+            weights.collision *= growth;
+            weights.intrusion *= growth;
+            weights.bones *= growth;
+        }
+        self
+    }
 }
 
 /// Named settings.
@@ -114,9 +136,10 @@ fn paper() -> SequenceConfig {
     };
     SequenceConfig {
         stages: vec![stage(20, 2.0, 2.0, 0.0), stage(50, 1.0, 1.0, 1.0)],
-        window: 300,
+        window: 150,
         overlap: 30,
         lock_feet: false,
+        rounds: 1,
     }
 }
 
@@ -142,5 +165,6 @@ fn ours() -> SequenceConfig {
         window: 180,
         overlap: 36,
         lock_feet: true,
+        rounds: 3,
     }
 }

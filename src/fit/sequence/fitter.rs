@@ -8,9 +8,9 @@ use super::ours::OurEnergy;
 use super::paper::{PaperEnergy, PaperScene};
 use super::stance::FootPlan;
 use crate::body::joints::{BODY_JOINTS, JOINTS};
-use crate::body::{Body, Feet, FrameJoints, JointLimit, VertexSubset, joint_limits};
+use crate::body::{Body, Feet, FrameJoints, JointLimit, VertexSubset, Workspace, joint_limits};
 use crate::fit::probe::Probe;
-use crate::fit::surroundings::Surroundings;
+use crate::fit::surroundings::{Bins, Surroundings};
 use crate::job::{Cancelled, Ticker};
 use crate::math::Aabb;
 use crate::scene::{BETAS, Frame, PoseFamily, RoomGeometry};
@@ -30,6 +30,11 @@ pub struct SequenceTask<'a> {
 }
 
 impl SequenceTask<'_> {
+    /// What carries the body in frame `i` besides its feet.
+    pub fn rest(&self, i: usize) -> Option<PoseFamily> {
+        self.rests.get(i).copied().flatten()
+    }
+
     /// Whether frame `i` of `total` must stay.
     pub fn is_pinned(&self, i: usize, total: usize) -> bool {
         i < self.pinned[0] || i + self.pinned[1] >= total
@@ -42,6 +47,8 @@ pub struct Sequenced {
     /// The weighted value of each of [`crate::fit::TERMS`] at every iteration, summed over the frames. Frames that two
     /// windows share count in both.
     pub trace: Vec<Terms>,
+    /// How often windows were gone through again because a body was found deep in something with all vertices.
+    pub rounds: usize,
     /// By how much the worst leg is too short for its planted foot, metres: that foot is not quite where it should be.
     pub short_m: f32,
 }
@@ -56,6 +63,8 @@ pub struct SequenceFitter<'a> {
 /// One skin vertex is taken of each cube of this size, metres; contact regions give at most so many vertices each.
 const SKIN_SAMPLE_M: f32 = 0.045;
 const REGION_SAMPLE: usize = 40;
+/// A frame with a vertex deeper than this after the feet are locked goes through another round, metres.
+const DEEP_M: f32 = 0.02;
 /// A body reaches this far from its pelvis, metres, and moves a little.
 const REACH_M: f32 = 1.3;
 
@@ -65,17 +74,18 @@ impl<'a> SequenceFitter<'a> {
         Self { body, probe: Probe::sparse(body, SKIN_SAMPLE_M, REGION_SAMPLE), limits: joint_limits() }
     }
 
-    /// The room around a motion: all that [`SequenceFitter::optimise`] needs of it.
+    /// The room around a motion: all that [`SequenceFitter::optimise`] needs of it. A few tenths of a second for a
+    /// finely tiled room, so the parts of one motion share it.
     pub fn surroundings<'g>(&self, geometry: &'g RoomGeometry, frames: &[Frame]) -> Surroundings<'g> {
         let pelvis = self.body.model.joint_template[0];
         let way = Aabb::of(frames.iter().map(|frame| frame.translation + pelvis).filter(|p| p.is_finite()));
-        Surroundings::new(geometry, way.grown(REACH_M))
+        Surroundings::along(geometry, way.grown(REACH_M))
     }
 
     /// Optimises `frames` in place. `preview` gets all frames whenever some seconds of motion more are done.
     ///
-    /// Our energy asks a sample of some 1,300 vertices; what remains is found by [`crate::inspect::inspect_motion`] with
-    /// all of them.
+    /// Our energy asks a sample of some 1,300 vertices. What it misses is found with all of them at the end of a round,
+    /// and the windows that hold such frames go through another.
     ///
     /// # Errors
     /// [`Cancelled`] once the user cancelled; it is asked at every iteration. The frames keep the best so far, their
@@ -90,13 +100,25 @@ impl<'a> SequenceFitter<'a> {
         preview: &mut dyn FnMut(&[Frame]),
     ) -> Result<Sequenced, Cancelled> {
         let run = Run::new(self, around, task, frames, config);
-        let mut done = Sequenced { trace: vec![Terms::default(); run.iterations()], short_m: 0.0 };
-        let descended = run.all_windows(frames, &mut done.trace, ticker, preview);
-        if config.lock_feet {
-            let lock = Lock { rest: &run.rest, feet: &run.feet, field: around.field, plan: &run.plan, task };
-            done.short_m = lock.apply(frames);
+        let mut done = Sequenced { trace: vec![Terms::default(); run.iterations()], ..Sequenced::default() };
+        let mut windows = windows(frames.len(), config.window, config.overlap);
+        let mut result = Ok(());
+        for round in 0..config.rounds.max(1) {
+            result = run.descend(&windows, round, frames, &mut done.trace, ticker, preview);
+            if config.lock_feet {
+                done.short_m = run.lock(frames);
+            }
+            if result.is_err() || round + 1 >= config.rounds {
+                break;
+            }
+            let deep = run.deep_frames(frames);
+            windows.retain(|window| deep.iter().any(|i| window.contains(i)));
+            if windows.is_empty() {
+                break;
+            }
+            done.rounds += 1;
         }
-        descended.map(|()| done)
+        result.map(|()| done)
     }
 }
 
@@ -110,8 +132,10 @@ pub(super) struct Run<'r> {
     rest: [Vec3; JOINTS],
     feet: Feet,
     plan: FootPlan,
+    bins: Bins,
     sample: VertexSubset,
-    paper: Option<(VertexSubset, PaperScene)>,
+    all: VertexSubset,
+    paper: Option<PaperScene>,
 }
 
 impl<'r> Run<'r> {
@@ -128,32 +152,53 @@ impl<'r> Run<'r> {
         let figures: Vec<FrameJoints> = frames.par_iter().map(|f| FrameJoints::of(&rest, f)).collect();
         let plan = FootPlan::of(&feet, around.field, task, &figures);
         let is_paper = |stage: &Stage| matches!(stage.objective, MotionObjective::Paper(_));
-        let paper = config.stages.iter().any(is_paper).then(|| {
-            let all = (0..body.model.template.len() as u32).collect();
-            let skin = VertexSubset::of_shape(&body.model, all, betas);
-            let scene = PaperScene::of(&Subject { body, betas, skin: &skin, field: around.field }, frames);
-            (skin, scene)
-        });
+        let all = VertexSubset::all_of_shape(&body.model, betas);
+        let subject = Subject { body, betas, skin: &all, field: around.field };
+        let paper = config.stages.iter().any(is_paper).then(|| PaperScene::of(&subject, frames));
+        let bins = Bins::new(&around.surface, &Aabb::of(around.surface.iter().copied()));
         let sample = VertexSubset::of_shape(&body.model, fitter.probe.subset.ids().to_vec(), betas);
-        Self { fitter, around, task, config, input: frames.to_vec(), rest, feet, plan, sample, paper }
+        let input = frames.to_vec();
+        Self { fitter, around, task, config, input, rest, feet, plan, bins, sample, all, paper }
     }
 
     fn iterations(&self) -> usize {
         self.config.stages.iter().map(|stage| stage.iterations).sum()
     }
 
-    fn all_windows(
+    fn descend(
         &self,
+        windows: &[std::ops::Range<usize>],
+        round: usize,
         frames: &mut [Frame],
         trace: &mut [Terms],
         ticker: &Ticker,
         preview: &mut dyn FnMut(&[Frame]),
     ) -> Result<(), Cancelled> {
-        for window in windows(frames.len(), self.config.window, self.config.overlap) {
-            self.one_window(window, frames, trace, ticker)?;
+        // The trace is of the first round, which every frame goes through.
+        let mut unseen = vec![Terms::default(); trace.len()];
+        let trace = if round == 0 { trace } else { &mut unseen };
+        for window in windows {
+            self.one_window(window.clone(), round, frames, trace, ticker)?;
             preview(frames);
         }
         Ok(())
+    }
+
+    fn lock(&self, frames: &mut [Frame]) -> f32 {
+        let (rest, feet, plan, task) = (&self.rest, &self.feet, &self.plan, self.task);
+        Lock { rest, feet, field: self.around.field, plan, task }.apply(frames)
+    }
+
+    /// Frames with a vertex deeper than [`DEEP_M`] in something, by every vertex there is.
+    fn deep_frames(&self, frames: &[Frame]) -> Vec<usize> {
+        let (body, field, betas) = (self.fitter.body, self.around.field, self.task.betas);
+        let deepest = |workspace: &mut Workspace, frame: &Frame| {
+            body.forward_posed(&frame.params(betas), &frame.pose, &self.all, workspace);
+            workspace.vertices().iter().map(|v| -field.sample(*v)).fold(0.0, f32::max)
+        };
+        let depths: Vec<f32> = frames.par_iter().map_init(Workspace::default, deepest).collect();
+        let free = |i: &usize| !self.task.is_pinned(*i, frames.len());
+        (0..frames.len()).filter(free).filter(|i| depths[*i] > DEEP_M).collect()
     }
 
     /// Optimises `frames` of one window. The first half of what it shares with the window before is held: it was done
@@ -161,14 +206,19 @@ impl<'r> Run<'r> {
     fn one_window(
         &self,
         range: std::ops::Range<usize>,
+        round: usize,
         frames: &mut [Frame],
         trace: &mut [Terms],
         ticker: &Ticker,
     ) -> Result<(), Cancelled> {
         let total = frames.len();
-        let context = if range.start > 0 { self.config.overlap / 2 } else { 0 };
+        let half = self.config.overlap / 2;
+        // In a later round the window behind may not be gone through again: join on to it as well.
+        let behind = if round > 0 && range.end < total { half } else { 0 };
+        let context = if range.start > 0 { half } else { 0 };
+        let inner = range.start + context..range.end - behind;
         let held: Vec<bool> =
-            range.clone().map(|i| i < range.start + context || self.task.is_pinned(i, total)).collect();
+            range.clone().map(|i| !inner.contains(&i) || self.task.is_pinned(i, total)).collect();
         let mut first = 0;
         for stage in &self.config.stages {
             let mut window = Window {
@@ -178,7 +228,7 @@ impl<'r> Run<'r> {
                 held: &held,
             };
             let trace = &mut trace[first..first + stage.iterations];
-            self.one_stage(&mut window, stage, trace, ticker)?;
+            self.one_stage(&mut window, &stage.of_round(round), trace, ticker)?;
             first += stage.iterations;
         }
         Ok(())
@@ -203,14 +253,16 @@ impl<'r> Run<'r> {
         let subject =
             |skin| Subject { body: self.fitter.body, betas: self.task.betas, skin, field: self.around.field };
         match (stage.objective, &self.paper) {
-            (MotionObjective::Paper(weights), Some((skin, scene))) => {
-                use_it(&subject(skin), &PaperEnergy { scene, weights });
+            (MotionObjective::Paper(weights), Some(scene)) => {
+                use_it(&subject(&self.all), &PaperEnergy { scene, weights });
             }
             (MotionObjective::Ours(weights), _) => {
                 let energy = OurEnergy {
                     weights,
                     task: self.task,
-                    around: self.around,
+                    field: self.around.field,
+                    surface: &self.around.surface,
+                    bins: &self.bins,
                     probe: &self.fitter.probe,
                     limits: &self.fitter.limits,
                     feet: &self.feet,

@@ -137,7 +137,9 @@ impl Lock<'_> {
                     let reach = (longest * longest - across * across).max(0.0).sqrt();
                     (down.y - reach).max(0.0)
                 };
-                if self.plan.places[i].iter().any(Option::is_some) { of(0).max(of(1)) } else { 0.0 }
+                // A seat or a bed does not give way: there a foot rather stays short of its place.
+                let stands = self.task.rest(i).is_none() && self.plan.places[i].iter().any(Option::is_some);
+                if stands { of(0).max(of(1)) } else { 0.0 }
             })
             .collect();
         let around = |i: usize, by: usize| i.saturating_sub(by)..(i + by + 1).min(total);

@@ -13,15 +13,20 @@ use crate::body::{Feet, JointLimit, Limb, Region};
 use crate::fit::energy::{Energy, Term};
 use crate::fit::goals::contact_goals;
 use crate::fit::probe::Probe;
-use crate::fit::surroundings::Surroundings;
+use crate::fit::surroundings::Bins;
 use crate::fit::terms;
 use crate::fit::terms::Distances;
+use crate::math::Aabb;
+use crate::scene::SignedDistanceField;
 
 /// The energy, with all that it reads.
 pub struct OurEnergy<'a> {
     pub weights: MotionWeights,
     pub task: &'a SequenceTask<'a>,
-    pub around: &'a Surroundings<'a>,
+    pub field: &'a SignedDistanceField,
+    /// Points on the room's surfaces, and where they are.
+    pub surface: &'a [Vec3],
+    pub bins: &'a Bins,
     pub probe: &'a Probe,
     pub limits: &'a [JointLimit; BODY_JOINTS],
     pub feet: &'a Feet,
@@ -37,7 +42,7 @@ impl MotionEnergy for OurEnergy<'_> {
         terms::collision(energy, distances, w.collision);
         intrusions.add_energy(energy, workspace.vertices(), w.intrusion);
         let joints = workspace.joints();
-        terms::bones(energy, self.probe, joints, &|p| self.around.field.sample_gradient(p), w.bones);
+        terms::bones(energy, self.probe, joints, &|p| self.field.sample_gradient(p), w.bones);
         terms::self_collision(energy, self.probe, joints, w.self_collision);
         terms::joint_limits(energy, workspace.local_pose(), self.limits, w.joint_limits);
         self.planted(view.first + i, joints, energy);
@@ -48,14 +53,19 @@ impl MotionEnergy for OurEnergy<'_> {
     fn search(&self, state: &mut FrameState) {
         let workspace = &state.workspace;
         let (vertices, rotations) = (workspace.vertices(), workspace.world_rotations());
-        state.intrusions.update(&self.around.surface, self.probe, vertices, rotations);
+        let bounds = Aabb::of(vertices.iter().copied());
+        let near: Vec<Vec3> = match self.surface {
+            [] => Vec::new(),
+            surface => self.bins.around(&bounds).map(|p| surface[p as usize]).collect(),
+        };
+        state.intrusions.update(&near, self.probe, vertices, rotations);
     }
 }
 
 impl OurEnergy<'_> {
     /// What carries the body in a frame, besides the feet, which the plan places.
     fn contact(&self, frame: usize, energy: &mut Energy, distances: &Distances) {
-        let Some(family) = self.task.rests.get(frame).copied().flatten() else { return };
+        let Some(family) = self.task.rest(frame) else { return };
         let feet = [Region::LeftLeg, Region::RightLeg];
         for goal in contact_goals(family).iter().filter(|goal| !feet.contains(&goal.region)) {
             let region = &self.probe.regions[&goal.region];

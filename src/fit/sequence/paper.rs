@@ -99,21 +99,26 @@ impl PaperEnergy<'_> {
     /// Eq. 7 over all vertices and again over each sole. A step's value counts at its first frame.
     fn smooth(&self, view: &View<'_>, i: usize, energy: &mut Energy) {
         let vertices = view.states[i].workspace.vertices();
-        for (neighbour, counts) in [(i + 1, true), (i.wrapping_sub(1), false)] {
+        let mean_over = |count: usize| self.weights.smooth / (3 * count.max(1)) as f32;
+        for (neighbour, counts) in [(i + 1, 1.0), (i.wrapping_sub(1), 0.0)] {
             let Some(beside) = view.states.get(neighbour).map(|state| state.workspace.vertices()) else {
                 continue;
             };
-            let mut step = |v: usize, scale: f32| {
-                let step = vertices[v] - beside[v];
-                if counts {
-                    energy.add(Term::Smoothness, scale * step.length_squared());
-                }
-                energy.vertices[v] += step * (2.0 * scale);
-            };
-            let mean_over = |count: usize| self.weights.smooth / (3 * count.max(1)) as f32;
-            (0..vertices.len()).for_each(|v| step(v, mean_over(vertices.len())));
+            let all = mean_over(vertices.len());
+            let mut sum = 0.0;
+            for ((slope, here), there) in energy.vertices.iter_mut().zip(vertices).zip(beside) {
+                let step = *here - *there;
+                sum += step.length_squared();
+                *slope += step * (2.0 * all);
+            }
+            energy.add(Term::Smoothness, counts * all * sum);
             for sole in &self.scene.soles {
-                sole.iter().for_each(|v| step(*v as usize, mean_over(sole.len())));
+                let scale = mean_over(sole.len());
+                for v in sole.iter().map(|v| *v as usize) {
+                    let step = vertices[v] - beside[v];
+                    energy.add(Term::Smoothness, counts * scale * step.length_squared());
+                    energy.vertices[v] += step * (2.0 * scale);
+                }
             }
         }
     }

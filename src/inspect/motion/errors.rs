@@ -26,8 +26,7 @@ pub struct MotionErrors {
 impl MotionErrors {
     /// Means over the frames of a motion and its truth, frame by frame; frames that only one has are left out.
     pub fn of(body: &Body, betas: &[f32; BETAS], motion: &[Frame], truth: &[Frame]) -> Self {
-        let all = (0..body.model.template.len() as u32).collect();
-        let skin = VertexSubset::of_shape(&body.model, all, betas);
+        let skin = VertexSubset::all_of_shape(&body.model, betas);
         let pairs: Vec<(&Frame, &Frame)> = motion.iter().zip(truth).collect();
         let one = |workspaces: &mut [Workspace; 2], (a, b): &(&Frame, &Frame)| {
             let [first, second] = workspaces;

@@ -68,12 +68,11 @@ pub(super) struct FrameMeter<'a> {
 
 impl<'a> FrameMeter<'a> {
     pub fn new(body: &'a Body, field: &'a SignedDistanceField, betas: &'a [f32; BETAS]) -> Self {
-        let all = (0..body.model.template.len() as u32).collect();
         Self {
             body,
             field,
             betas,
-            skin: VertexSubset::of_shape(&body.model, all, betas),
+            skin: VertexSubset::all_of_shape(&body.model, betas),
             contact: body.regions.prox_sample(),
             feet: Feet::of(body, betas),
         }
