@@ -103,7 +103,9 @@ fn standing_still(person: &Person) -> Clip {
 
 /// Which methods can't be used, and why.
 pub fn missing_methods() -> Vec<(MotionMethod, String)> {
-    Vec::new()
+    let why = "Not connected to the window yet; its networks can be trained (inhabit train).";
+    let missing = [MotionMethod::Learned, MotionMethod::Retrieval, MotionMethod::RouteCvae];
+    missing.map(|method| (method, why.to_owned())).to_vec()
 }
 
 /// Measures every frame.

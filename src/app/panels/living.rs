@@ -40,7 +40,8 @@ fn head(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
     let palette = theme::palette(ui.visuals());
     let size = [ui.available_width(), 32.0];
     if state.is_living() {
-        if ui.add_sized(size, Button::new("Stop and keep")).clicked() {
+        let text = if state.jobs.acting.is_some() { "Stop and keep" } else { "Cancel" };
+        if ui.add_sized(size, Button::new(text)).clicked() {
             state.cancel(JobKind::Act);
         }
         return;
