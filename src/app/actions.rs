@@ -464,7 +464,7 @@ pub fn previous_finding(state: &mut EditorState) {
 }
 
 fn step_finding(state: &mut EditorState, step: isize) {
-    let count = state.findings().len() as isize;
+    let count = (state.findings().len() + state.worst_clip_findings().len()) as isize;
     if count == 0 {
         return;
     }
@@ -474,9 +474,13 @@ fn step_finding(state: &mut EditorState, step: isize) {
     go_to_finding(state, next as usize);
 }
 
-/// Selects and frames the person of a finding.
+/// Selects and frames the person of a finding; behind those of people come those of motions.
 pub fn go_to_finding(state: &mut EditorState, number: usize) {
-    if let Some(finding) = state.findings().get(number) {
+    let people = state.findings();
+    if number >= people.len() {
+        go_to_clip_finding(state, number - people.len());
+        state.finding = Some(number);
+    } else if let Some(finding) = people.get(number) {
         let item = Item::Person(PersonId(finding.site.body));
         state.finding = Some(number);
         state.selection.only(item);
@@ -739,7 +743,7 @@ pub fn export_motion(state: &mut EditorState) {
 
 /// Shows the frame of a finding in a motion and selects the motion.
 pub fn go_to_clip_finding(state: &mut EditorState, number: usize) {
-    let Some((clip, finding)) = state.clip_findings().get(number).cloned() else { return };
+    let Some((clip, finding)) = state.worst_clip_findings().get(number).cloned() else { return };
     state.activate_clip(clip.id);
     state.selection.only(Item::Clip(clip.id));
     if let Some(frame) = finding.site.frame {

@@ -37,6 +37,10 @@ impl Autosave {
     /// Saves when it is time. Returns when to look again, if there is something to save.
     pub fn keep(&mut self, state: &mut EditorState) -> Option<Duration> {
         self.poll(state);
+        if state.study.is_some() {
+            // The user's work waits untouched, and so does what is kept of it.
+            return None;
+        }
         if !state.has_unsaved_work() {
             self.discard();
             return None;

@@ -97,6 +97,7 @@ struct Drawn {
     selected: Vec<Item>,
     hovered: Option<Item>,
     pointed_out: Vec<ObjectId>,
+    replayed: Option<usize>,
     ghosts: Vec<Person>,
     actors: Vec<Actor>,
     /// The way that is drawn: its clip, by address, and how.
@@ -153,6 +154,7 @@ impl Canvas {
             selected: state.selection.iter().collect(),
             hovered,
             pointed_out: state.living.pointed_out.clone(),
+            replayed: state.replayed().map(|(number, ..)| number),
             ghosts: state.shown_ghosts(),
             actors: actors::actors(state, hovered),
             way: actors::way_key(state),
@@ -240,7 +242,9 @@ impl Canvas {
             let wanted = only.is_none_or(|only| only.contains(&Item::Person(p.id)));
             p.visible && wanted && !super::motion::moves(&clips, p.id)
         };
-        let solid = state.document.scene().people.iter().filter(shown).map(|person| {
+        let replayed = state.replayed().map(|(.., people)| people);
+        let there = replayed.unwrap_or(&state.document.scene().people);
+        let solid = there.iter().filter(shown).map(|person| {
             let mut draw =
                 PersonDraw::new(person.id, self.pose(&engine, person.id.0, &person.body), person.palette);
             let item = Item::Person(person.id);
@@ -293,7 +297,7 @@ impl Canvas {
 
     /// The room without what isolation leaves out; the same `Arc` while nothing changes.
     fn room(&mut self, state: &EditorState) -> Arc<Room> {
-        let room = &state.document.scene().room;
+        let room = state.replayed().map_or(&state.document.scene().room, |(_, room, _)| room);
         let Some(only) = &state.view.isolated else { return room.clone() };
         if let Some(filtered) = &self.filtered
             && Arc::ptr_eq(&filtered.of, room)

@@ -45,17 +45,27 @@ pub fn marks(ui: &Ui, state: &EditorState, rect: Rect) {
     }
     let best = step.marks.iter().map(|m| m.score).fold(f32::MIN, f32::max);
     let least = step.marks.iter().map(|m| m.score).fold(f32::MAX, f32::min);
-    for mark in &step.marks {
+    let mut marks: Vec<_> = step.marks.iter().collect();
+    // What is there now lies over what was only tried.
+    marks.sort_by_key(|mark| mark.verdict == Verdict::Taken);
+    for mark in marks {
         let Some(at) = project(state, rect, mark.at) else { continue };
         let share = (mark.score - least) / (best - least).max(1e-6);
         let taken = mark.verdict == Verdict::Taken;
-        let radius = if taken { 6.0 } else { 2.0 + 2.5 * share };
+        let radius = match mark.verdict {
+            Verdict::Taken => 5.0,
+            Verdict::NotTried => 1.0,
+            _ => 1.2 + 1.6 * share,
+        };
         let edge = if taken { Stroke::new(1.5, Color32::WHITE) } else { Stroke::NONE };
         painter.circle(at, radius, color(mark.verdict).gamma_multiply(if taken { 1.0 } else { 0.8 }), edge);
         if taken {
             let place = at + egui::vec2(9.0, 0.0);
             let font = egui::FontId::proportional(11.0);
-            painter.text(place, egui::Align2::LEFT_CENTER, &mark.object, font, Color32::WHITE);
+            let galley = painter.layout_no_wrap(mark.object.clone(), font, Color32::WHITE);
+            let area = egui::Align2::LEFT_CENTER.anchor_size(place, galley.size());
+            painter.rect_filled(area.expand(2.0), 3.0, Color32::from_black_alpha(150));
+            painter.galley(area.min, galley, Color32::WHITE);
         }
     }
 }

@@ -15,6 +15,8 @@ use crate::scene::Person;
 use crate::scene::PersonId;
 use crate::scene::Room;
 
+/// How long each state of a replay is shown, seconds.
+const REPLAY_S: f32 = 1.2;
 /// Draws of the chain that are not possible here before it is said to be at its end.
 const DRAWS: u64 = 24;
 
@@ -53,6 +55,23 @@ pub struct Living {
     pub tree: Vec<LifeNode>,
     /// Things that are pointed out in the view for now.
     pub pointed_out: Vec<ObjectId>,
+    /// The way to the present state is being shown, state by state.
+    pub replay: Option<Replay>,
+}
+
+/// States that are shown one after the other; only a way of looking.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replay {
+    /// The states.
+    path: Vec<usize>,
+    /// Since it began, seconds.
+    seconds: f32,
+}
+
+impl Replay {
+    fn node(&self) -> Option<usize> {
+        self.path.get((self.seconds / REPLAY_S) as usize).copied()
+    }
 }
 
 /// A room that is being looked at.
@@ -85,6 +104,7 @@ impl Living {
     pub(super) fn forget(&mut self) {
         self.tree.clear();
         self.pointed_out.clear();
+        self.replay = None;
     }
 }
 
@@ -98,6 +118,38 @@ impl EditorState {
     /// Whether actions are being done or looked for.
     pub fn is_living(&self) -> bool {
         self.jobs.looking.is_some() || self.jobs.acting.is_some()
+    }
+
+    /// Shows how the room came to be as it is, action by action; again to stop.
+    pub fn toggle_replay(&mut self) {
+        if self.living.replay.take().is_some() {
+            return;
+        }
+        let mut path: Vec<usize> = Vec::new();
+        let mut at = self.life_now();
+        while let Some(node) = at {
+            path.push(node);
+            at = self.living.tree[node].parent;
+        }
+        path.reverse();
+        self.living.replay = (path.len() > 1).then_some(Replay { path, seconds: 0.0 });
+    }
+
+    /// Time goes on in a replay; whether one runs.
+    pub(super) fn advance_replay(&mut self, passed_s: f32) -> bool {
+        let Some(replay) = &mut self.living.replay else { return false };
+        replay.seconds += passed_s;
+        if replay.node().is_none() {
+            self.living.replay = None;
+        }
+        self.living.replay.is_some()
+    }
+
+    /// The state that a replay shows now: its number, room and people.
+    pub fn replayed(&self) -> Option<(usize, &Arc<Room>, &[Person])> {
+        let number = self.living.replay.as_ref()?.node()?;
+        let node = self.living.tree.get(number)?;
+        Some((number, &node.room, &node.people))
     }
 
     /// Starts to look at the room as it is: what can be done in it.

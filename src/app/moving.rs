@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::engine::{MotionExport, MotionFormat, MotionMethod, MovePreview, MoveTask, Moved};
+use super::motion::renumbered;
 use super::real::asks;
 use crate::assets::GifWriter;
 use crate::assets::encode_png;
@@ -18,6 +19,7 @@ use crate::body::amass_motion;
 use crate::body::rig_motion;
 use crate::body::sample_pose;
 use crate::document::write_folder;
+use crate::evolve::journey::{self, JourneyPreview, JourneyRequest, journey};
 use crate::inspect::MotionReport;
 use crate::inspect::inspect_motion;
 use crate::job::{JobCtx, Seed, Stop, Ticker};
@@ -35,6 +37,7 @@ use crate::scene::BETAS;
 use crate::scene::Clip;
 use crate::scene::Frame;
 use crate::scene::GoalPose;
+use crate::scene::Person;
 use crate::scene::PoseFamily;
 use crate::scene::Room;
 use crate::scene::RoomGeometry;
@@ -57,13 +60,52 @@ const WAYS_TO_A_SEAT: usize = 8;
 /// # Errors
 /// Why it can't be made; or cancelled.
 pub fn synthesise(task: &MoveTask, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop> {
-    let _ = (task, cx);
-    Err(Stop::Failed("no motion can be made yet".to_owned()))
+    let inner = cx.mapped(|preview: JourneyPreview| MovePreview { clip: preview.clip });
+    let made = journey(&task.room, &task.geometry, Body::bundled(), &request(task), &inner)?;
+    let remarks = made.complaints(&task.room);
+    Ok(Moved { clip: made.clip, report: Some(made.motion), remarks })
+}
+
+/// What is asked of the journey. Bodies are drawn by the numbers of their sub-goals, so one that is to be another
+/// gets another number.
+fn request(task: &MoveTask) -> JourneyRequest {
+    let clip = &task.clip;
+    let still = task.people.iter().map(|person| Arc::new(standing_still(person)));
+    JourneyRequest {
+        id: clip.id,
+        name: clip.name.clone(),
+        palette: clip.palette,
+        betas: clip.betas,
+        goals: renumbered(clip, &task.anew),
+        method: match task.method {
+            MotionMethod::Gait => journey::MotionMethod::Gait,
+            MotionMethod::Learned => journey::MotionMethod::Learned,
+            MotionMethod::Retrieval => journey::MotionMethod::Retrieval,
+            MotionMethod::RouteCvae => journey::MotionMethod::RouteCvae,
+        },
+        kept: (!clip.frames.is_empty()).then(|| Arc::new(clip.clone())),
+        others: task.others.iter().cloned().chain(still).collect(),
+        ..JourneyRequest::default()
+    }
+}
+
+/// Somebody who is in the way all the time: a motion of one frame.
+fn standing_still(person: &Person) -> Clip {
+    let pose = Body::bundled().pose_space.decode(&person.body.pose);
+    Clip {
+        name: person.name.clone(),
+        betas: person.body.betas,
+        frames: vec![Frame::of(&person.body, &pose)],
+        planted: vec![[true, true]],
+        ..Clip::default()
+    }
 }
 
 /// Which methods can't be used, and why.
 pub fn missing_methods() -> Vec<(MotionMethod, String)> {
-    Vec::new()
+    let why = "Not connected to the window yet; its networks can be trained (inhabit train).";
+    let missing = [MotionMethod::Learned, MotionMethod::Retrieval, MotionMethod::RouteCvae];
+    missing.map(|method| (method, why.to_owned())).to_vec()
 }
 
 /// Measures every frame.
@@ -285,5 +327,40 @@ mod tests {
             let lowest = posed.vertices.iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
             assert!(lowest > -0.25 && pelvis.y > height_m, "{pose:?}: {lowest}, pelvis {pelvis}");
         }
+    }
+
+    fn short_walk(id: u32) -> Arc<Clip> {
+        let frame =
+            |i: usize| Frame { translation: Vec3::new(0.05 * i as f32, 0.9, 0.0), ..Frame::default() };
+        let frames: Vec<Frame> = (0..7).map(frame).collect();
+        let (id, name) = (crate::scene::ClipId(id), format!("Walk {id}"));
+        Arc::new(Clip { id, name, planted: vec![[true, false]; 7], frames, ..Clip::default() })
+    }
+
+    #[test]
+    fn every_format_writes_what_its_readers_open() {
+        let folder = tempfile::tempdir().unwrap();
+        let surface = Arc::new(BodySurface::of(Body::bundled()));
+        let clips = vec![short_walk(0), short_walk(1)];
+        let write = |format: MotionFormat, name: &str| {
+            let (scene, camera) = (crate::scene::Scene::default(), crate::scene::Camera::default());
+            let task = MotionExport { format, scene, clips: clips.clone(), camera, size: [48, 36] };
+            let files = export(&folder.path().join(name), &task, &surface, &Ticker::silent());
+            files.unwrap_or_else(|stop| panic!("{format:?}: {stop:?}"))
+        };
+        let path = |name: &str| folder.path().join(name);
+        assert_eq!(write(MotionFormat::Glb, "walk.glb"), 1);
+        let budget = crate::assets::Budget::default();
+        assert!(crate::assets::read_model(&path("walk.glb"), &budget).is_ok());
+        assert_eq!(write(MotionFormat::Bvh, "walk.bvh"), 2);
+        assert!(path("walk.bvh").is_file() && path("walk-2.bvh").is_file());
+        assert_eq!(write(MotionFormat::Amass, "walk.npz"), 2);
+        let npz = crate::assets::npz::Npz::open(&path("walk-2.npz")).unwrap();
+        assert_eq!(npz.floats("poses", &[None, None]).unwrap().0, [7, 156]);
+        assert_eq!(write(MotionFormat::Gif, "walk.gif"), 1);
+        assert!(path("walk.gif").is_file());
+        assert_eq!(write(MotionFormat::Pictures, "frames"), 7);
+        let (_, size_px) = crate::assets::read_photo(&path("frames/0007.png"), &budget).unwrap();
+        assert_eq!(size_px, [48, 36]);
     }
 }

@@ -439,7 +439,7 @@ impl EditorState {
 
     /// Whether anything is above its limit.
     pub fn has_findings(&self) -> bool {
-        !self.findings().is_empty()
+        !self.findings().is_empty() || !self.worst_clip_findings().is_empty()
     }
 
     /// The box around an item in the world frame; empty if it is gone.

@@ -405,6 +405,10 @@ impl Engine for FakeEngine {
     fn synthesise(&self, task: &MoveTask, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop> {
         self.moves.lock().unwrap().push(task.clone());
         let clip = slid(&task.clip);
+        while *self.making.lock().unwrap() == Making::FirstThenEndless {
+            cx.step(0, 0)?;
+            std::thread::sleep(Duration::from_millis(2));
+        }
         if *self.making.lock().unwrap() == Making::Endless {
             loop {
                 cx.preview(MovePreview { clip: Arc::new(clip.clone()) });
@@ -1415,4 +1419,38 @@ fn an_action_that_is_not_possible_says_why_and_changes_nothing() {
     user.does("nap on sofa (10");
     assert!(user.errors()[0].contains("it is too short"), "{:?}", user.errors());
     assert!(user.history().is_empty());
+}
+
+#[test]
+fn a_replay_shows_the_way_here_and_changes_nothing() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("read on sofa (60");
+    user.does("eat on sofa (30");
+    let history = user.history();
+    user.state().toggle_replay();
+    let shown =
+        |user: &mut User| user.state().replayed().map(|(number, room, _)| (number, room.objects.len()));
+    assert_eq!(shown(&mut user), Some((0, 2)), "the room as it was");
+    assert!(user.state().advance_replay(1.5));
+    assert_eq!(shown(&mut user), Some((1, 3)));
+    assert!(!user.state().advance_replay(10.0), "it ends by itself");
+    assert_eq!((user.history(), user.objects().len()), (history, 4));
+}
+
+#[test]
+fn sub_goals_that_change_while_a_motion_is_made_are_not_lost() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.5, 0.0), (0.5, 0.5)]);
+    *user.engine.making.lock().unwrap() = Making::FirstThenEndless;
+    user.presses(Modifiers { shift: true, ..Modifiers::COMMAND }, Key::Enter);
+    user.places(&[(0.3, -0.5)]);
+    assert!(user.state().jobs.moving());
+    *user.engine.making.lock().unwrap() = Making::Quick;
+    user.waits(|state| !state.jobs.any_running() && state.can_play());
+    assert_eq!(
+        (user.clip().goals.len(), user.clip().frames.len()),
+        (3, 2 * LEG + 1),
+        "made again with all three"
+    );
 }

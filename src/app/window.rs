@@ -276,6 +276,9 @@ impl Window {
     /// Asks before the window closes with unsaved people in it.
     fn guard_close(&mut self, ctx: &Context) {
         let closing = ctx.input(|i| i.viewport().close_requested());
+        if closing {
+            self.state.leave_study();
+        }
         if closing && self.state.has_unsaved_work() && !self.leaving && self.script.is_none() {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.state.overlay = Overlay::Unsaved(super::state::Leaving::Quit);
@@ -288,6 +291,9 @@ impl Window {
         if self.state.motion.player.playing {
             self.state.motion.player.advance(passed.as_secs_f32(), length_s);
             ctx.request_repaint();
+        }
+        if self.state.advance_replay(passed.as_secs_f32()) {
+            ctx.request_repaint_after(NEWS_EVERY);
         }
     }
 
@@ -425,7 +431,7 @@ fn layout() -> Tree<Pane> {
         |children: [TileId; 2], shares: [f32; 2]| linear(&mut tiles, LinearDir::Vertical, &children, &shares);
     let left = column([objects, people], [0.6, 0.4]);
     let middle = column([view, below], [0.74, 0.26]);
-    let right = column([populate, inspector], [0.46, 0.54]);
+    let right = column([populate, inspector], [0.6, 0.4]);
     let root = linear(&mut tiles, LinearDir::Horizontal, &[left, middle, right], &[0.17, 0.61, 0.22]);
     Tree::new(egui::Id::unique("dock"), root, tiles)
 }

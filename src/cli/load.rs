@@ -9,7 +9,7 @@ use crate::assets::{self, Budget};
 use crate::document::load_project;
 use crate::job::{Stop, Ticker};
 use crate::scene::layout::{RoomType, new_room as new_room_model};
-use crate::scene::{self, GeometryConfig, ImportOptions, ImportReport, Person, Room, RoomGeometry};
+use crate::scene::{self, Clip, GeometryConfig, ImportOptions, ImportReport, Person, Room, RoomGeometry};
 
 use super::report::{FieldRow, RoomRow};
 
@@ -19,6 +19,8 @@ pub struct Loaded {
     pub room: Arc<Room>,
     /// Who was in it, when it came from a project.
     pub people: Vec<Person>,
+    /// Who moved in it, when it came from a project.
+    pub clips: Vec<Arc<Clip>>,
     /// What was understood; `None` for a room out of a project, which was understood when it was made.
     pub import: Option<ImportReport>,
     /// File or sample it came from.
@@ -42,13 +44,20 @@ pub fn load(path: Option<&Path>, options: &ImportOptions) -> anyhow::Result<Load
     let shown = path.display().to_string();
     if is_project(path) {
         let scene = load_project(path)?.project.scene;
-        return Ok(Loaded { room: scene.room, people: scene.people, import: None, path: shown });
+        return Ok(Loaded {
+            room: scene.room,
+            people: scene.people,
+            clips: scene.clips,
+            import: None,
+            path: shown,
+        });
     }
     let model = assets::read_model(path, &Budget::default())?;
     let imported = scene::room_from_model(&model, options);
     Ok(Loaded {
         room: Arc::new(imported.room),
         people: Vec::new(),
+        clips: Vec::new(),
         import: Some(imported.report),
         path: shown,
     })
@@ -70,7 +79,13 @@ fn new_room(wanted: &str, options: &ImportOptions) -> anyhow::Result<Loaded> {
         .with_context(|| format!("`new:{wanted}`: write a whole number as seed, such as new:{key}:7"))?;
     let imported = scene::room_from_model(&new_room_model(kind, seed)?, options);
     let path = format!("new:{key}:{seed}");
-    Ok(Loaded { room: Arc::new(imported.room), people: Vec::new(), import: Some(imported.report), path })
+    Ok(Loaded {
+        room: Arc::new(imported.room),
+        people: Vec::new(),
+        clips: Vec::new(),
+        import: Some(imported.report),
+        path,
+    })
 }
 
 fn sample(key: Option<&str>, options: &ImportOptions) -> anyhow::Result<Loaded> {
@@ -83,7 +98,13 @@ fn sample(key: Option<&str>, options: &ImportOptions) -> anyhow::Result<Loaded> 
     let model = assets::read_model_bytes(&format!("{}.glb", sample.key), sample.glb, &Budget::default())?;
     let imported = scene::room_from_model(&model, options);
     let path = format!("sample:{}", sample.key);
-    Ok(Loaded { room: Arc::new(imported.room), people: Vec::new(), import: Some(imported.report), path })
+    Ok(Loaded {
+        room: Arc::new(imported.room),
+        people: Vec::new(),
+        clips: Vec::new(),
+        import: Some(imported.report),
+        path,
+    })
 }
 
 /// Whether `path` names a project by its ending.

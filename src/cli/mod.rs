@@ -15,6 +15,7 @@ mod import;
 mod inspect;
 mod learn;
 mod load;
+mod move_room;
 mod network;
 mod output;
 mod pictures;
@@ -120,6 +121,8 @@ pub enum Command {
     Inspect(inspect::InspectArguments),
     /// Put people into a room and write them, a report and pictures.
     Generate(generate::GenerateArguments),
+    /// Let somebody walk, sit down, lie and get up in a room, and write the motion.
+    Move(move_room::MoveArguments),
     /// Let actions happen in a room: people come, things are brought, moved and left about.
     Evolve(evolve::EvolveArguments),
     /// Learn statistics of people: actions from annotated photos, poses from clips.
@@ -189,6 +192,7 @@ pub fn run(command: Command) -> ExitCode {
     let result = match command {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
+        Command::Move(arguments) => move_room::run(&arguments),
         Command::Evolve(arguments) => evolve::run(&arguments),
         Command::Learn(subject) => learn::run(&subject),
         Command::Train(subject) => train::run(&subject),

@@ -47,9 +47,13 @@ impl Settings {
     }
 }
 
-/// Where unsaved work is kept against crashes; `None` when the system names no such place.
+/// Where unsaved work is kept against crashes, in a folder that is made if it is missing; `None` when the system names
+/// no such place.
 pub fn autosave_path() -> Option<PathBuf> {
-    Some(Settings::default_path()?.with_file_name("autosave.inhabit"))
+    let path = Settings::default_path()?.with_file_name("autosave.inhabit");
+    // A folder that can't be made is told when the first save fails.
+    let _ = path.parent().map(std::fs::create_dir_all);
+    Some(path)
 }
 
 /// Whether an earlier session that did not end on purpose left its work at `path`.

@@ -3,6 +3,7 @@
 //! Works on snapshots; may not name the document, the renderer or a front end.
 
 pub mod action;
+pub mod journey;
 
 mod choose;
 mod estimate;

@@ -9,6 +9,7 @@ use crate::document::RoomVersion;
 use crate::job::{Job, JobCtx, Seed};
 use crate::scene::Clip;
 use crate::scene::ClipId;
+use crate::scene::SubGoal;
 use crate::scene::SubGoalId;
 
 /// A motion that is being made.
@@ -18,6 +19,8 @@ pub struct Making {
     clip: ClipId,
     /// What the user chose; a clip made of it says so, whatever became of it on the way.
     seed: u64,
+    /// The sub-goals that it is made of.
+    goals: Vec<SubGoal>,
 }
 
 impl std::fmt::Debug for Making {
@@ -74,7 +77,8 @@ impl EditorState {
         let name = format!("Synthesise {}", clip.name);
         let job = Job::spawn(name, Seed::root(options.seed), self.waker(), work);
         let version = self.document.room_version();
-        self.jobs.making = Some(Making { job, version, clip: clip.id, seed: options.seed });
+        self.jobs.making =
+            Some(Making { job, version, clip: clip.id, seed: options.seed, goals: clip.goals.clone() });
         self.motion.preview = None;
         self.requests.show_timeline = true;
     }
@@ -90,10 +94,15 @@ impl EditorState {
         let Some(making) = &mut self.jobs.making else { return };
         let Some(outcome) = making.job.poll() else { return };
         let (name, version, id) = (making.job.name().to_owned(), making.version, making.clip);
-        let seed = making.seed;
+        let (seed, goals) = (making.seed, std::mem::take(&mut making.goals));
         self.jobs.making = None;
         self.motion.preview = None;
         let Some(moved) = self.taken(&name, outcome) else { return };
+        if self.document.scene().clip(id).is_some_and(|clip| clip.goals != goals) {
+            self.notices.info("Sub-goals were changed meanwhile: the motion is made again.");
+            self.activate_clip(id);
+            return self.start_synthesis();
+        }
         for remark in &moved.remarks {
             self.notices.warning(remark.clone());
         }
@@ -126,7 +135,8 @@ impl EditorState {
         let Some(making) = self.jobs.making.take() else { return };
         making.job.cancel();
         let newest = making.job.take_preview().map(|preview| preview.clip);
-        let best = newest.or(self.motion.preview.take()).filter(|clip| !clip.frames.is_empty());
+        let same = self.document.scene().clip(making.clip).is_some_and(|clip| clip.goals == making.goals);
+        let best = newest.or(self.motion.preview.take()).filter(|clip| same && !clip.frames.is_empty());
         self.motion.preview = None;
         match best {
             Some(clip) => {

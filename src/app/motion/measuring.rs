@@ -94,4 +94,16 @@ impl EditorState {
         findings.sort_by(|a, b| b.1.severity().total_cmp(&a.1.severity()));
         findings
     }
+
+    /// The worst of each kind in each motion; a walk that slides does so in a hundred frames.
+    pub fn worst_clip_findings(&self) -> Vec<(Arc<Clip>, Finding)> {
+        let mut seen = Vec::new();
+        let mut findings = self.clip_findings();
+        findings.retain(|(clip, finding)| {
+            let new = !seen.contains(&(clip.id, finding.metric));
+            seen.push((clip.id, finding.metric));
+            new
+        });
+        findings
+    }
 }

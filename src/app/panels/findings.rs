@@ -15,7 +15,7 @@ use crate::scene::PersonId;
 /// Draws the table; a click selects and frames the person.
 pub fn findings(ui: &mut Ui, state: &mut EditorState) {
     let findings = state.findings();
-    let of_motions = state.clip_findings();
+    let of_motions = state.worst_clip_findings();
     if findings.is_empty() && of_motions.is_empty() {
         let people = state.document.scene().people.len();
         let unmeasured = state.unmeasured().len();
@@ -41,7 +41,7 @@ pub fn findings(ui: &mut Ui, state: &mut EditorState) {
                 ui.label(RichText::new(head).small().weak());
             }
             ui.end_row();
-            for (number, (finding, name)) in findings.iter().zip(names).enumerate() {
+            for (number, (finding, name)) in findings.iter().zip(&names).enumerate() {
                 let marked = state.finding == Some(number);
                 let row = ui.selectable_label(marked, name);
                 if row.on_hover_text("Select and frame (N, P)").clicked() {
@@ -54,23 +54,19 @@ pub fn findings(ui: &mut Ui, state: &mut EditorState) {
                 ui.end_row();
             }
         });
-        motions(ui, state, &of_motions);
+        motions(ui, state, names.len(), &of_motions);
     });
 }
 
 /// The worst frame of each motion in each respect; a click shows it.
-fn motions(ui: &mut Ui, state: &mut EditorState, findings: &[(Arc<Clip>, Finding)]) {
-    let mut seen = Vec::new();
+fn motions(ui: &mut Ui, state: &mut EditorState, people: usize, findings: &[(Arc<Clip>, Finding)]) {
     Grid::new("findings of motions").num_columns(5).striped(true).spacing([16.0, 4.0]).show(ui, |ui| {
         for (number, (clip, finding)) in findings.iter().enumerate() {
-            if seen.contains(&(clip.id, finding.metric)) {
-                continue;
-            }
-            seen.push((clip.id, finding.metric));
+            let marked = state.finding == Some(people + number);
             let frame = finding.site.frame.map_or("all of it".to_owned(), |frame| format!("frame {frame}"));
-            let row = ui.push_id(("motion", number), |ui| ui.selectable_label(false, &clip.name)).inner;
+            let row = ui.push_id(("motion", number), |ui| ui.selectable_label(marked, &clip.name)).inner;
             if row.on_hover_text("Show this frame").clicked() {
-                actions::go_to_clip_finding(state, number);
+                actions::go_to_finding(state, people + number);
             }
             ui.label(finding.metric.label());
             let color = theme::palette(ui.visuals()).bad;

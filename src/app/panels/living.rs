@@ -12,6 +12,9 @@ use crate::app::theme;
 use crate::document::Command;
 use crate::evolve::action::{ActionKind, Suggestion};
 
+/// So many suggestions are seen at once; the rest unfolds.
+const FIRST: usize = 7;
+
 /// Draws the panel.
 pub fn living(ui: &mut Ui, state: &mut EditorState) {
     state.living.pointed_out.clear();
@@ -24,6 +27,7 @@ pub fn living(ui: &mut Ui, state: &mut EditorState) {
         }
         if !state.living.tree.is_empty() {
             title(ui, "What was done");
+            replay(ui, state);
             tree(ui, state, now);
         }
         if let Some(now) = now {
@@ -36,7 +40,8 @@ fn head(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
     let palette = theme::palette(ui.visuals());
     let size = [ui.available_width(), 32.0];
     if state.is_living() {
-        if ui.add_sized(size, Button::new("Stop and keep")).clicked() {
+        let text = if state.jobs.acting.is_some() { "Stop and keep" } else { "Cancel" };
+        if ui.add_sized(size, Button::new(text)).clicked() {
             state.cancel(JobKind::Act);
         }
         return;
@@ -140,8 +145,17 @@ fn suggestions(ui: &mut Ui, state: &mut EditorState, now: usize) {
         empty(ui, "Nothing that is known can be done in this room. See below, and why.");
     }
     let most = suggestions.first().map_or(1.0, |s| s.probability).max(1e-9);
+    let (first, rest) = suggestions.split_at(suggestions.len().min(FIRST));
+    rows(ui, state, first, most);
+    if !rest.is_empty() {
+        let title = format!("Less probable ({})", rest.len());
+        CollapsingHeader::new(title).id_salt("less probable").show(ui, |ui| rows(ui, state, rest, most));
+    }
+}
+
+fn rows(ui: &mut Ui, state: &mut EditorState, suggestions: &[Suggestion], most: f64) {
     for suggestion in suggestions {
-        let response = suggestion_row(ui, &suggestion, most, !state.is_living());
+        let response = suggestion_row(ui, suggestion, most, !state.is_living());
         if response.hovered() {
             state.living.pointed_out.clone_from(&suggestion.keys);
         }
@@ -187,6 +201,15 @@ fn off(ui: &mut Ui, state: &EditorState, now: usize) {
             ui.label(RichText::new(format!("{}: {}", action.action, action.why)).small().weak());
         }
     });
+}
+
+fn replay(ui: &mut Ui, state: &mut EditorState) {
+    let running = state.living.replay.is_some();
+    let can = state.life_now().is_some_and(|now| state.living.tree[now].parent.is_some());
+    let button = Button::new(if running { "Stop replay" } else { "Replay" }).selected(running);
+    if ui.add_enabled(can, button).on_hover_text("Shows how the room came to be as it is").clicked() {
+        state.toggle_replay();
+    }
 }
 
 /// Every state that was reached, branches indented; a click goes there.

@@ -16,7 +16,7 @@ use crate::scene::{Camera, Scene};
 const ROOM_SIZE: [u32; 2] = [1280, 800];
 /// Size of the pictures of the action.
 const ACTION_SIZE: [u32; 2] = [960, 720];
-/// From what people do to the eye: metres ahead of them, aside, and above the place.
+/// From what people do to the eye: metres ahead of them, aside, and above the place. Faces are seen best from ahead.
 const EYES_M: [[f32; 3]; 3] = [[1.5, 1.0, 0.95], [1.5, -1.0, 0.95], [-0.7, 1.1, 1.0]];
 /// Vertical field of view, radians.
 const FOV_Y: f32 = 0.95;
@@ -60,6 +60,8 @@ pub fn take(folder: &OutputFolder, shown: &[Shown]) -> anyhow::Result<String> {
 fn action_views(evolution: &Evolution) -> Vec<Camera> {
     let Some(person) = evolution.steps().last().and_then(|s| s.people.first()) else { return Vec::new() };
     let mut views: Vec<(f32, Camera)> = EYES_M.iter().map(|eye| view(evolution, person, *eye)).collect();
+    // From behind only where the others are blocked.
+    views.iter_mut().take(2).for_each(|v| v.0 += 0.5);
     views.sort_by(|a, b| b.0.total_cmp(&a.0));
     views.truncate(2);
     views.into_iter().map(|(_, camera)| camera).collect()

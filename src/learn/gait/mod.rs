@@ -42,7 +42,7 @@ const PERIODIC: usize = 1 + 2 * HARMONICS;
 /// Numbers of the pace.
 const PACE: usize = 3;
 /// How much is believed before the data speak: numbers per unit of speed and of turning are small.
-const RIDGE: [f64; PACE] = [1e-6, 0.05, 5.0];
+const RIDGE: [f64; PACE] = [1e-6, 0.005, 5.0];
 
 /// Why no model was measured: too few strides.
 #[derive(Debug, thiserror::Error)]
@@ -102,7 +102,8 @@ pub fn measure_gait(clips: &[PoseClip], rest: &[Vec3; JOINTS], ticker: &Ticker) 
 /// The mean rotation of every turning joint, by the mean of the quaternions.
 fn rest_rotations(strides: &[Stride]) -> Vec<Quat> {
     let mean = |i: usize| {
-        let all = strides.iter().flat_map(|s| s.turns.iter().map(move |t| t[i]));
+        let all =
+            strides.iter().flat_map(|s| s.turns.iter().flat_map(move |t| [t[i], flipped(t[across(i)])]));
         let sum = all.fold(glam::Vec4::ZERO, |sum, q| {
             let v = glam::Vec4::from(q);
             sum + if sum.dot(v) < 0.0 { -v } else { v }
@@ -118,13 +119,14 @@ fn periodic(strides: &[Stride], rests: &[Quat]) -> (Vec<JointSeries>, Series, Se
     for stride in strides {
         for instant in 0..INSTANTS {
             let phase = 2.0 * PI * instant as f32 / INSTANTS as f32;
-            let turns = stride.turns[instant].iter().zip(rests);
-            let mut y: Vec<f64> = turns
-                .flat_map(|(q, rest)| logarithm(rest.inverse() * *q).to_array().map(f64::from))
-                .collect();
-            y.push(f64::from(stride.height[instant]));
-            y.push(f64::from(stride.sway[instant]));
-            fit.add(1.0 / INSTANTS as f64, &regressors(phase, stride.pace), &y);
+            let weight = 1.0 / INSTANTS as f64;
+            let (height, sway) = (stride.height[instant], stride.sway[instant]);
+            let turns = &stride.turns[instant];
+            fit.add(weight, &regressors(phase, stride.pace), &row(turns, rests, height, sway));
+            // The same step seen in a mirror, half a stride later, so that left and right come out alike.
+            let mirrored: [Quat; TURNING.len()] = std::array::from_fn(|i| flipped(turns[across(i)]));
+            let pace = Pace { turn: -stride.pace.turn, ..stride.pace };
+            fit.add(weight, &regressors(phase + PI, pace), &row(&mirrored, rests, height, -sway));
         }
     }
     let ridge: Vec<f64> = (0..PERIODIC * PACE).map(|i| RIDGE[i % PACE]).collect();
@@ -137,6 +139,21 @@ fn periodic(strides: &[Stride], rests: &[Quat]) -> (Vec<JointSeries>, Series, Se
     };
     let joints = TURNING.iter().enumerate().map(joint).collect();
     (joints, series(targets - 2), series(targets - 1))
+}
+
+fn row(turns: &[Quat], rests: &[Quat], height: f32, sway: f32) -> Vec<f64> {
+    let logs = turns.iter().zip(rests).map(|(q, rest)| logarithm(rest.inverse() * *q));
+    logs.flat_map(|v| v.to_array()).chain([height, sway]).map(f64::from).collect()
+}
+
+/// A rotation in the mirror.
+fn flipped(q: Quat) -> Quat {
+    Quat::from_xyzw(q.x, -q.y, -q.z, q.w)
+}
+
+/// The index of the turning joint on the other side.
+fn across(i: usize) -> usize {
+    TURNING.iter().position(|joint| *joint == j::mirror(TURNING[i])).unwrap_or(i)
 }
 
 fn logarithm(q: Quat) -> Vec3 {
@@ -195,10 +212,12 @@ mod tests {
     use super::*;
     use crate::body::Body;
 
-    /// Swing of a leg that is ahead at 0 and behind after 0.6 of a stride.
-    fn leg(share: f32) -> f32 {
+    /// Turn of a hip at a share of the stride: its ankle stays on the floor until 0.6, then swings back ahead.
+    fn hip(share: f32, speed: f32) -> f32 {
         let share = share.rem_euclid(1.0);
-        if share < 0.6 { (PI * share / 0.6).cos() } else { -(PI * (share - 0.6) / 0.4).cos() }
+        let reach = (speed * 0.36 / 0.81).asin();
+        let stays = (speed * (0.36 - 1.2 * share) / 0.81).clamp(-1.0, 1.0).asin();
+        if share < 0.6 { stays } else { -reach * (PI * (share - 0.6) / 0.4).cos() }
     }
 
     /// A figure that glides ahead at `speed` while its legs swing like pendulums, arms against them, at 60 Hz.
@@ -208,17 +227,21 @@ mod tests {
             let share = i as f32 / rate / stride_s;
             let phase = 2.0 * PI * share;
             let mut frame = [Vec3::ZERO; crate::assets::CLIP_JOINTS];
-            frame[j::LEFT_HIP].x = -0.4 * leg(share + 0.5);
-            frame[j::RIGHT_HIP].x = -0.4 * leg(share);
+            frame[j::LEFT_HIP].x = -hip(share + 0.5, speed);
+            frame[j::RIGHT_HIP].x = -hip(share, speed);
+            // At rest the feet are far apart.
+            (frame[j::LEFT_HIP].z, frame[j::RIGHT_HIP].z) = (-0.14, 0.14);
+            frame[j::LEFT_ANKLE].x = -frame[j::LEFT_HIP].x;
+            frame[j::RIGHT_ANKLE].x = -frame[j::RIGHT_HIP].x;
             frame[j::LEFT_SHOULDER] = Vec3::new(-0.3 * phase.cos(), 0.0, -1.3);
             frame[j::RIGHT_SHOULDER] = Vec3::new(0.3 * phase.cos(), 0.0, 1.3);
             frame
         };
-        let frames: Vec<_> = (0..600).map(frame).collect();
+        let frames: Vec<_> = (0..2400).map(frame).collect();
         let at = |i: usize| Vec3::new(0.0, 0.92, speed * i as f32 / rate);
         PoseClip {
             name: name.into(),
-            pelvis_m: (0..600).map(at).collect(),
+            pelvis_m: (0..2400).map(at).collect(),
             frames,
             frame_seconds: 1.0 / rate,
         }
@@ -226,16 +249,16 @@ mod tests {
 
     #[test]
     fn a_pendulums_stride_is_measured_as_it_was_made() {
-        let clips: Vec<PoseClip> = (0..8).map(|i| pendulum("p", 0.9 + 0.1 * i as f32)).collect();
+        let clips: Vec<PoseClip> = (0..8).map(|i| pendulum("p", 0.8 + 0.07 * i as f32)).collect();
         let rest = &Body::bundled().model.joint_template;
         let model = measure_gait(&clips, rest, &Ticker::silent()).expect("strides");
-        let pace = Pace::new(1.2, 0.816, 0.0);
+        let pace = Pace::new(1.0, 0.816, 0.0);
         let shoulder = model.joint(j::RIGHT_SHOULDER).expect("a shoulder");
         // The right foot lands at phase 0, when its leg is ahead and the right arm (+x is back) behind.
         let swing =
             |phase: f32| (Quat::from_rotation_z(1.3).inverse() * shoulder.at(phase, pace, 1.0)).x * 2.0;
         assert!(swing(0.0).abs() > 0.2 && swing(0.0) * swing(PI) < 0.0, "{} {}", swing(0.0), swing(PI));
-        let seconds = model.step_length_share(pace) * 0.816 / 1.2;
+        let seconds = model.step_length_share(pace) * 0.816 / 1.0;
         assert!((seconds - 0.6).abs() < 0.03, "a step of {seconds} s, 0.6 s were made");
     }
 

@@ -112,7 +112,8 @@ impl Rising {
 /// From 0 to 1 between two instants, without velocity or acceleration at either (quintic).
 pub(super) fn ease(t: f32, from: f32, to: f32) -> f32 {
     let x = ((t - from) / (to - from).max(1e-4)).clamp(0.0, 1.0);
-    x * x * x * (x * (6.0 * x - 15.0) + 10.0)
+    // Rounding must not lead beyond 1: roots are taken of what is left.
+    (x * x * x * (x * (6.0 * x - 15.0) + 10.0)).clamp(0.0, 1.0)
 }
 
 /// From 0 up to 1 and down to 0 again.
@@ -191,7 +192,7 @@ mod tests {
     fn a_cover_is_smooth_and_nowhere_too_low() {
         let needed: Vec<f32> = (0..60).map(|i| if i == 30 { 0.05 } else { 0.0 }).collect();
         let cover = smooth_cover(&needed, 5);
-        assert!(cover.iter().zip(&needed).all(|(c, n)| c >= n), "{cover:?}");
+        assert!(cover.iter().zip(&needed).all(|(c, n)| *c > n - 1e-5), "{cover:?}");
         assert!(cover.windows(2).all(|w| (w[1] - w[0]).abs() < 0.012), "{cover:?}");
         assert_eq!(smooth_cover(&[0.0; 9], 4), [0.0; 9]);
     }

@@ -37,10 +37,16 @@ pub(super) struct FootMoment {
     pub(super) pose: FootPose,
     /// Whether it stands flat, so that its ankle does not move.
     pub(super) planted: bool,
+    /// 1 on the floor, 0 in the air, in between just before landing.
+    pub(super) on_floor: f32,
+    /// How much its heel may come up for the leg to reach, 0 to 1: late in its stance and just after it.
+    pub(super) heel_free: f32,
 }
 
 /// Share of a stance at whose beginning the foot may be toes up, and after which its heel may rise.
 const FLAT: [f32; 2] = [0.3, 0.38];
+/// Between these shares of a stance the heel becomes free to come up for the leg to reach: before the other foot lands.
+const HEEL_FREE: [f32; 2] = [0.45, 0.72];
 /// A sole that is level to this many radians counts as flat: the ankle moves by less than 4 mm.
 const FLAT_RADIANS: f32 = 0.04;
 /// Least clearance of the sole in the middle of a swing, metres: people clear the floor by one to two centimetres
@@ -73,12 +79,22 @@ impl Roll {
         self.share * if fade > 0.0 { pitch.max(first) * fade.sqrt() } else { 0.0 }
     }
 
+    /// How much the heel may come up so many seconds before the foot takes off.
+    fn begun(&self, seconds: f32) -> f32 {
+        ease(1.0 - seconds / self.stance_s, HEEL_FREE[0], HEEL_FREE[1])
+    }
+
     /// Pitch so many seconds before taking off: flat, then heel up.
     fn leaves(&self, model: &GaitModel, seconds: f32) -> f32 {
         let share = 1.0 - seconds / self.stance_s;
         let grown = ease(share, FLAT[1], FLAT[1] + 0.3);
         self.share * grown * model.stance_pitch.at(share.max(0.0), self.pace).max(0.0)
     }
+}
+
+/// How far the toes of a foot may still bend upwards, radians.
+pub(super) fn toes_room(foot: &FootPose) -> f32 {
+    (TOES_BEND + foot.toes.to_scaled_axis().x).max(0.0)
 }
 
 /// A flat foot rolled by a pitch about its ball (heel up) or heel (toes up), which stay where they are. Toes stay on the
@@ -90,7 +106,8 @@ pub(super) fn rolled(place: &FootPose, shape: &FootShape, pitch: f32) -> FootPos
     let contact = if pitch > 0.0 { shape.ball } else { shape.heel };
     let rotation = (place.rotation * Quat::from_rotation_x(pitch)).normalize();
     let ankle = place.point(contact) - rotation * contact;
-    FootPose { ankle, rotation, toes: place.toes * Quat::from_rotation_x(-pitch.clamp(0.0, TOES_BEND)) }
+    let more = pitch.max(0.0).min(toes_room(place));
+    FootPose { ankle, rotation, toes: place.toes * Quat::from_rotation_x(-more) }
 }
 
 /// Toes bend upwards by at most this, radians (55 degrees).
@@ -119,9 +136,18 @@ impl FootTrack {
         if t <= contact.to_s || i == last {
             let pitch = contact.pitch(model, t);
             let planted = pitch.abs() < FLAT_RADIANS;
-            return FootMoment { pose: contact.pose(&self.shape, model, t), planted };
+            let heel_free = contact.leaving.map_or(0.0, |roll| roll.begun(contact.to_s - t));
+            return FootMoment {
+                pose: contact.pose(&self.shape, model, t),
+                planted,
+                on_floor: 1.0,
+                heel_free,
+            };
         }
-        FootMoment { pose: self.swing(model, i, t), planted: false }
+        let next_s = self.contacts[i + 1].from_s;
+        let x = (t - contact.to_s) / (next_s - contact.to_s).max(1e-3);
+        let (on_floor, heel_free) = (ease(x, LANDS, 1.0), 1.0 - ease(x, 0.0, LEFT_BEHIND));
+        FootMoment { pose: self.swing(model, i, t), planted: false, on_floor, heel_free }
     }
 
     fn swing(&self, model: &GaitModel, i: usize, t: f32) -> FootPose {
@@ -136,7 +162,7 @@ impl FootTrack {
         let first = self.shape.ball;
         let last = if landing_pitch(b, model) < 0.0 { self.shape.heel } else { self.shape.ball };
         let in_foot = first.lerp(last, turned);
-        let way = cruise(x, SWING_RAMP);
+        let way = cruise(x / SWING_ARRIVES, SWING_RAMP);
         let over = a.place.point(first).lerp(b.place.point(last), way);
         let mut pose = FootPose {
             ankle: over + self.asides[i] * bump(x, [0.0, 0.5, 0.5, 1.0]) - rotation * in_foot,
@@ -161,8 +187,14 @@ impl FootTrack {
     }
 }
 
+/// Until this share of a swing the foot trails and its heel may be higher than measured.
+const LEFT_BEHIND: f32 = 0.4;
+/// From this share of a swing on the leg gets ready for the floor.
+const LANDS: f32 = 0.7;
 /// Share of a swing over which a foot speeds up, and slows down again.
 const SWING_RAMP: f32 = 0.42;
+/// After this share of a swing the foot is over its place and comes down: the leg is ready before it lands.
+const SWING_ARRIVES: f32 = 0.95;
 
 fn landing_pitch(contact: &Contact, model: &GaitModel) -> f32 {
     contact.landing.map_or(0.0, |roll| roll.landed(model, 0.0))

@@ -75,9 +75,8 @@ impl Person {
         self.rest[j::LEFT_HIP].distance(self.rest[j::RIGHT_HIP])
     }
 
-    /// Pelvis before the middle between the flat ankles when a foot lands, metres: it is midway between what both feet
-    /// touch the floor with, the ball behind and the heel ahead (the pendulum's highest loss of height is the same on
-    /// both sides).
+    /// Pelvis before the middle between the flat ankles when a foot lands, metres: midway between what both feet then
+    /// touch the floor with, the ball behind and the heel ahead.
     pub(super) fn lead_m(&self) -> f32 {
         0.5 * (self.feet[0].ball.z + self.feet[0].heel.z)
     }
@@ -269,7 +268,7 @@ impl Stick {
         })
     }
 
-    /// Metres by which each leg is longer than `share` of its length.
+    /// Metres by which each hip is too high for its leg to reach its foot with `share` of its length.
     pub(super) fn overreach_m(&self, person: &Person, share: f32) -> [f32; 2] {
         std::array::from_fn(|side| {
             let hip = self.hip(person, side);
@@ -280,6 +279,21 @@ impl Stick {
             let may = (longest * longest - level).max(0.0).sqrt();
             (-to.y - may).max(0.0)
         })
+    }
+
+    /// Keeps the knee of a swinging leg from snapping straight: a foot that is almost out of reach is drawn in by
+    /// `weight` of what a smooth approach to the longest reach asks for.
+    pub(super) fn soften(&mut self, person: &Person, side: usize, weight: f32) {
+        let hip = self.hip(person, side);
+        let to = self.feet[side].ankle - hip;
+        let share = to.length() / person.leg_m;
+        let over = share - SWING_SHARE[0];
+        if over <= 0.0 || weight <= 0.0 {
+            return;
+        }
+        let room = SWING_SHARE[1] - SWING_SHARE[0];
+        let soft = SWING_SHARE[0] + room * (over / room).tanh();
+        self.feet[side].ankle = hip + to * (1.0 + weight * (soft / share - 1.0));
     }
 
     /// Both knees, world frame.
@@ -338,6 +352,9 @@ impl Stick {
         }
     }
 }
+
+/// A swinging leg over its full length: freely stretched up to the first share, never beyond the second.
+const SWING_SHARE: [f32; 2] = [0.95, 0.99];
 
 /// A unit vector on the way from one to another.
 pub(super) fn direction_between(a: Vec3, b: Vec3, share: f32) -> Vec3 {

@@ -143,7 +143,8 @@ impl Maker<'_> {
             EndState::Still(still) => self.risen(&self.rest(still, self.way.length())),
         };
         let seconds = if rise.is_none() && descend.is_none() { self.input.seconds } else { None };
-        let walk = walk::walk(&self.person, [&start, &goal], &self.way, seconds, &self.style);
+        let style = Style { goes_on: descend.is_some(), ..self.style };
+        let walk = walk::walk(&self.person, [&start, &goal], &self.way, seconds, &style);
         let mut motion = rise.map(backwards).unwrap_or_default();
         append(&mut motion, walk);
         if let Some(down) = descend {
@@ -208,7 +209,7 @@ impl Maker<'_> {
                     self.way.at(self.way.length())
                 };
                 let stands = posture::stand_beside(person, &rest.stick, end, seed);
-                let sits = posture::sit_on_edge(person, &rest.stick, &stands);
+                let sits = posture::sit_on_edge(&rest.stick, &stands);
                 let mut down = posture::sit_down(person, &stands, &sits, rest.floor_y, &self.style);
                 append(&mut down, posture::lie_down(person, &sits, &rest.stick, rest.floor_y, &self.style));
                 (Some(down), End::Still(Box::new(stands)))

@@ -1,7 +1,6 @@
 //! How people walk, as numbers measured from captured walks: periodic curves of the trunk and the arms, how feet roll,
 //! and how step length and width go with speed. Pure data and its evaluation.
 
-use std::f32::consts::TAU;
 use std::sync::OnceLock;
 
 use glam::{Quat, Vec3};
@@ -237,9 +236,4 @@ impl GaitModel {
     pub fn joint(&self, joint: usize) -> Option<&JointSeries> {
         self.joints.iter().find(|series| series.joint == joint)
     }
-}
-
-/// The phase as an angle in `[0, 2π)`.
-pub fn wrapped(phase: f32) -> f32 {
-    phase.rem_euclid(TAU)
 }

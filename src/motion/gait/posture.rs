@@ -62,7 +62,7 @@ pub(super) fn stand_before(person: &Person, sits: &Stick, floor_y: f32, seed: Se
 }
 
 /// Somebody sitting on the edge of what they will lie on, with the feet as they stand.
-pub(super) fn sit_on_edge(person: &Person, lies: &Stick, stands: &Stick) -> Stick {
+pub(super) fn sit_on_edge(lies: &Stick, stands: &Stick) -> Stick {
     let facing = facing(stands.rotation);
     let feet = stands.feet[0].ankle.midpoint(stands.feet[1].ankle);
     let mut sits = stands.clone();
@@ -70,7 +70,6 @@ pub(super) fn sit_on_edge(person: &Person, lies: &Stick, stands: &Stick) -> Stic
     sits.pelvis = Vec3::new(over.x, lies.pelvis.y, over.z);
     sits.rotation = (yaw(facing) * Quat::from_rotation_x(-0.1)).normalize();
     lean_spine(&mut sits, 0.25);
-    let _ = person;
     sits
 }
 
@@ -121,6 +120,13 @@ pub(super) fn lie_down(person: &Person, from: &Stick, to: &Stick, floor_y: f32, 
     frames(person, seconds, floor_y, &|t| {
         let x = t / seconds;
         let mut stick = from.lerp(to, ease(x, 0.08, 0.92));
+        // The arms come to rest last: one carries the trunk before that.
+        let late = from.lerp(to, ease(x, 0.4, 0.96));
+        for joint in j::LEFT_COLLAR..=j::RIGHT_WRIST {
+            if joint != j::HEAD {
+                stick.turns[joint - 1] = late.turns[joint - 1];
+            }
+        }
         let across = from.pelvis.lerp(to.pelvis, ease(x, 0.12, 0.9));
         stick.pelvis = across + Vec3::Y * (0.03 * bump(x, [0.1, 0.4, 0.5, 0.85]));
         for foot in 0..2 {

@@ -44,8 +44,14 @@ pub(super) struct Steps {
     pub(super) seconds: f32,
 }
 
-/// The most that one step turns the body, radians: beyond 50 degrees the feet would turn against each other.
-const TURN_A_STEP: f32 = 0.87;
+/// The most that a step of the foot on the side of a turn turns it, radians, walking on and on the spot: hips turn
+/// outwards by some 75 degrees at most.
+const TURN_A_STEP: f32 = 0.95;
+const TURN_ON_THE_SPOT: f32 = 1.31;
+/// The other foot follows by less, or the toes would meet.
+const FOLLOWING_SHARE: f32 = 0.45;
+/// A turn of less than this is made by any foot, radians.
+const SMALL_TURN: f32 = 0.4;
 /// Way below which feet are set without walking, metres.
 const ON_THE_SPOT_M: f32 = 0.2;
 /// A foot this near to its place stays, metres and radians.
@@ -61,6 +67,8 @@ const SMALL_STEP_S: f32 = 0.56;
 /// First and last step of a walk as shares of the steps between.
 const FIRST_SHARE: f32 = 0.78;
 const LAST_SHARE: f32 = 0.86;
+/// Steps longer than this times the natural length are leaps.
+const LONGEST_STEP: f32 = 1.2;
 /// Share of a step's time for which the foot may be in the air.
 const LONGEST_SWING: f32 = 0.86;
 
@@ -105,6 +113,8 @@ struct Planner<'a> {
     goal: [FootPose; 2],
     facing: [f32; 2],
     on_the_spot: bool,
+    /// Share of the time that coming to rest takes: less where something follows.
+    rest_after: f32,
 }
 
 /// Where a step leads: along the way, and facing where.
@@ -134,6 +144,7 @@ impl<'a> Planner<'a> {
             goal: feet(ends[1]),
             facing: ends.map(facing),
             on_the_spot: still && way.length() < ON_THE_SPOT_M,
+            rest_after: if style.goes_on { 0.5 } else { 1.0 },
         }
     }
 
@@ -156,14 +167,13 @@ impl<'a> Planner<'a> {
         let turn_in = if self.walks(0) { 0.0 } else { wrap(self.way.heading(0.0) - self.facing[0]) };
         let turn_out =
             if self.walks(1) { 0.0 } else { wrap(self.facing[1] - self.way.heading(self.way.length())) };
-        let small_steps = |turn: f32| ((turn.abs() / TURN_A_STEP).ceil() as usize).saturating_sub(1);
-        let (before, after) = (small_steps(turn_in), small_steps(turn_out));
-        let increments = self.increments(before + after, turn_in);
+        let (turns_in, turns_out) = (turns(turn_in, TURN_A_STEP), turns(turn_out, TURN_A_STEP));
+        let (before, after) = (turns_in.len() - 1, turns_out.len() - 1);
+        let increments = self.increments(before, [turn_in, turn_out]);
         let mut stations = Vec::new();
-        for k in 1..=before {
-            let heading = self.facing[0] + turn_in * k as f32 / (before + 1) as f32;
-            stations.push(Station { along_m: 0.0, heading });
-        }
+        stations.extend(
+            turns_in[..before].iter().map(|turn| Station { along_m: 0.0, heading: self.facing[0] + turn }),
+        );
         let mut along_m = self.along(0, 1);
         for (k, by) in increments.iter().enumerate() {
             along_m += by;
@@ -172,10 +182,10 @@ impl<'a> Planner<'a> {
             }
         }
         let length = self.way.length();
-        for k in 1..=after {
-            let heading = self.way.heading(length) + turn_out * k as f32 / (after + 1) as f32;
-            stations.push(Station { along_m: length, heading });
-        }
+        let arriving = self.way.heading(length);
+        stations.extend(
+            turns_out[..after].iter().map(|turn| Station { along_m: length, heading: arriving + turn }),
+        );
         self.on_feet(&stations)
     }
 
@@ -189,7 +199,7 @@ impl<'a> Planner<'a> {
     }
 
     /// Lengths of the steps along the way, from the foot that landed last to the one that lands last but one.
-    fn increments(&self, small_steps: usize, turn_in: f32) -> Vec<f32> {
+    fn increments(&self, before: usize, turns: [f32; 2]) -> Vec<f32> {
         let speed = self.speed();
         let pace = Pace::new(speed, self.person.leg_m, 0.0);
         let natural = self.person.model.step_length_share(pace) * self.person.leg_m * self.style.stride;
@@ -197,7 +207,7 @@ impl<'a> Planner<'a> {
         let lost = if self.walks(0) { 0.0 } else { 1.0 - FIRST_SHARE }
             + if self.walks(1) { 0.0 } else { 1.0 - LAST_SHARE };
         let wanted = to_go / natural + lost;
-        let count = self.fitting_count(wanted, small_steps, turn_in);
+        let count = self.fitting_count(wanted, before, turns);
         let mut weights = vec![1.0; count];
         if !self.walks(0) {
             weights[0] *= FIRST_SHARE;
@@ -209,24 +219,30 @@ impl<'a> Planner<'a> {
         weights.iter().map(|w| to_go * w / total).collect()
     }
 
-    /// The number of steps next to what is wanted that ends on the right foot: a walk's canonical end has it landing.
-    fn fitting_count(&self, wanted: f32, small_steps: usize, turn_in: f32) -> usize {
+    /// The number of steps next to what is wanted that ends on the right foot: a walk's canonical end has it landing, and
+    /// a turn at the end is begun by the foot on its side.
+    fn fitting_count(&self, wanted: f32, before: usize, [turn_in, turn_out]: [f32; 2]) -> usize {
         let rounded = (wanted.round() as usize).max(1);
-        if !self.walks(1) {
-            return rounded;
-        }
-        // Steps after these: the landing that the end itself names.
-        let falls = |count: usize| small_steps + count + 1;
-        let fits = |count: usize| {
-            let even = falls(count).is_multiple_of(2);
-            match self.first_foot(turn_in) {
-                Some(0) => even,
-                Some(_) => !even,
-                None => true,
+        // The landing (counted from 0) that a foot is asked for: the end's own last, or the first one of the turn.
+        let asked = |count: usize| {
+            if self.walks(1) {
+                Some((before + count, 1))
+            } else if turn_out.abs() > SMALL_TURN {
+                Some((before + count - 1, usize::from(turn_out < 0.0)))
+            } else {
+                None
             }
         };
+        let fits = |count: usize| match (self.first_foot(turn_in), asked(count)) {
+            (Some(first), Some((landing, foot))) => (first + landing) % 2 == foot,
+            _ => true,
+        };
         let candidates = [rounded, rounded + 1, rounded.saturating_sub(1).max(1)];
-        let off = |count: &usize| (*count as f32 - wanted).abs();
+        // By the step's length over the natural one: twice too long is as bad as half as long, and legs end before that.
+        let off = |count: &usize| {
+            let length = wanted.max(0.3) / *count as f32;
+            length.ln().abs() + 4.0 * (length - LONGEST_STEP).max(0.0)
+        };
         candidates
             .into_iter()
             .filter(|count| fits(*count))
@@ -239,7 +255,7 @@ impl<'a> Planner<'a> {
         if self.walks(0) {
             return Some(0);
         }
-        if turn.abs() > 0.4 {
+        if turn.abs() > SMALL_TURN {
             // The foot on the side of the turn opens it.
             return Some(usize::from(turn < 0.0));
         }
@@ -299,13 +315,14 @@ impl<'a> Planner<'a> {
         let turn = wrap(self.facing[1] - self.facing[0]);
         let moving: Vec<usize> = (0..2).filter(|foot| !in_place(*foot)).collect();
         let station = |heading: f32| Station { along_m: 0.0, heading };
-        if moving.len() < 2 && turn.abs() < TURN_A_STEP {
+        if moving.len() < 2 && turn.abs() < TURN_ON_THE_SPOT {
             let put = |foot: &usize| (*foot, self.goal[*foot], station(self.facing[1]));
             return moving.iter().map(put).collect();
         }
-        let turns = (turn.abs() / TURN_A_STEP).ceil().max(1.0) as usize;
+        let turned = turns(turn, TURN_ON_THE_SPOT);
+        let count = turned.len();
         let stations: Vec<Station> =
-            (1..turns).map(|k| station(self.facing[0] + turn * k as f32 / turns as f32)).collect();
+            turned[..count - 1].iter().map(|turn| station(self.facing[0] + turn)).collect();
         let side = usize::from(if turn.abs() > 0.1 { turn < 0.0 } else { self.first_to_move() == 1 });
         let pace = Pace::default();
         let mut falls: Vec<_> = stations
@@ -315,7 +332,7 @@ impl<'a> Planner<'a> {
                 let foot = (side + k) % 2;
                 (
                     foot,
-                    foot_at(self.person, foot, self.centre_between(k, turns), station.heading, pace),
+                    foot_at(self.person, foot, self.centre_between(k, count), station.heading, pace),
                     *station,
                 )
             })
@@ -334,9 +351,9 @@ impl<'a> Planner<'a> {
         if (by(0) + by(1)).dot(apart) > 0.0 { 0 } else { 1 }
     }
 
-    fn centre_between(&self, k: usize, turns: usize) -> Vec3 {
+    fn centre_between(&self, k: usize, count: usize) -> Vec3 {
         let middle = |feet: &[FootPose; 2]| feet[0].ankle.midpoint(feet[1].ankle);
-        let at = middle(&self.start).lerp(middle(&self.goal), (k + 1) as f32 / turns as f32);
+        let at = middle(&self.start).lerp(middle(&self.goal), (k + 1) as f32 / count as f32);
         at - Vec3::Y * self.person.ankle_m()
     }
 
@@ -347,19 +364,22 @@ impl<'a> Planner<'a> {
         let mut feet = self.start;
         let mut timed = Vec::with_capacity(falls.len());
         let (mut now, count) = (0.0, falls.len());
-        let mut before_m = self.along(0, 1);
+        let mut before = [self.along(0, 0), self.along(0, 1)];
         for (k, (foot, place, station)) in falls.into_iter().enumerate() {
             let by = (place.ankle - feet[foot].ankle).dot(ahead(station.heading));
-            let step_m = station.along_m - before_m;
-            before_m = station.along_m;
-            let small = step_m < 0.15 && !(k + 1 == count && by > 0.3);
-            let step_s = if small {
+            let step_m = station.along_m - before[1];
+            let body_m = if k == 0 && !self.walks(0) { step_m } else { 0.5 * (station.along_m - before[0]) };
+            before = [before[1], station.along_m];
+            let last = k + 1 == count;
+            let step_s = if step_m < 0.15 && !(last && by > 0.3) {
                 SMALL_STEP_S / self.style.tempo
-            } else if k + 1 == count && !self.walks(1) {
+            } else if last && !self.walks(1) {
                 usual.clamp(0.5, 0.65)
+            } else if let Some(speed) = self.speed_of_end([k == 0, last]) {
+                body_m / speed
             } else {
-                (step_m / self.way.speed(station.along_m).min(cruise).max(0.2))
-                    .clamp(0.86 * usual, 1.2 * usual)
+                let speed = self.way.speed(station.along_m).min(cruise).max(0.2);
+                (body_m / speed).clamp(0.86 * usual, 1.2 * usual)
             };
             let pace = model.measured(model.pace_of_step(0.5 * by.max(0.0), person.leg_m));
             let shift_s = if k == 0 && !self.walks(0) { SHIFT_S } else { 0.0 };
@@ -370,10 +390,18 @@ impl<'a> Planner<'a> {
             timed.push(Fall { foot, place, heading, lift_s: now - swing_s, land_s: now, pace, roll });
             feet[foot] = place;
         }
-        let settle_s = if self.walks(1) { 0.0 } else { SETTLE_S };
+        let settle_s = if self.walks(1) { 0.0 } else { SETTLE_S * self.rest_after };
         let mut steps = Steps { start: self.start, falls: timed, seconds: now + settle_s };
         self.keep_canonical(&mut steps);
         steps
+    }
+
+    /// The speed of the walk that the first or the last step belongs to.
+    fn speed_of_end(&self, at: [bool; 2]) -> Option<f32> {
+        (0..2).find_map(|end| match self.ends[end] {
+            WalkEnd::Walking(state) if at[end] => Some(state.speed_m_per_s.max(0.2)),
+            _ => None,
+        })
     }
 
     /// The first and last steps of a walk that goes on before and after are the walk's own.
@@ -387,6 +415,25 @@ impl<'a> Planner<'a> {
             last.roll = 1.0;
         }
     }
+}
+
+/// How far a turn has gone with each of the landings that make it, the last one all of it: the foot on its side takes
+/// large steps, the other follows by smaller ones.
+fn turns(turn: f32, most: f32) -> Vec<f32> {
+    let share = |k: usize| if k.is_multiple_of(2) { 1.0 } else { FOLLOWING_SHARE };
+    let mut total = 1.0;
+    let mut count = 1;
+    while turn.abs() > most * total {
+        total += share(count);
+        count += 1;
+    }
+    let mut gone = 0.0;
+    (0..count)
+        .map(|k| {
+            gone += share(k);
+            turn * gone / total
+        })
+        .collect()
 }
 
 /// Times of a steady walk.

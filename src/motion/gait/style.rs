@@ -17,6 +17,8 @@ pub(super) struct Style {
     pub(super) first_foot: usize,
     /// Lean of the trunk in sitting down and getting up over the usual one.
     pub(super) lean: f32,
+    /// Whether sitting or lying down follows at once.
+    pub(super) goes_on: bool,
     /// Whether hands go to the knees in sitting down and getting up.
     pub(super) hands_to_knees: bool,
 }
@@ -24,7 +26,15 @@ pub(super) struct Style {
 impl Style {
     /// The measured manner itself.
     pub(super) fn plain() -> Self {
-        Self { tempo: 1.0, stride: 1.0, liveliness: 1.0, first_foot: 0, lean: 1.0, hands_to_knees: true }
+        Self {
+            tempo: 1.0,
+            stride: 1.0,
+            liveliness: 1.0,
+            first_foot: 0,
+            lean: 1.0,
+            goes_on: false,
+            hands_to_knees: true,
+        }
     }
 
     pub(super) fn of(seed: Seed) -> Self {
@@ -35,6 +45,7 @@ impl Style {
             liveliness: rng.random_range(0.85..1.2),
             first_foot: usize::from(rng.random::<bool>()),
             lean: rng.random_range(0.85..1.15),
+            goes_on: false,
             hands_to_knees: rng.random_range(0.0..1.0) < 0.7,
         }
     }

@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use glam::{Quat, Vec3};
 
 use super::curve::{Rising, Spline, ease, smooth_cover};
-use super::feet::FootTrack;
+use super::feet::{FootMoment, FootTrack, rolled, toes_room};
 use super::figure::{FootPose, Person, Stick, ahead, facing, tilt, wrap, yaw};
 use super::model::Pace;
 use super::steps::{Canonical, Fall, Steps, WalkEnd, plan};
@@ -50,11 +50,17 @@ impl End {
 /// A pose taken up or left behind takes this long to go over into walking, seconds.
 const BLEND_S: f32 = 1.1;
 /// Legs are straight to this share at most in the middle of a walk: knees stay soft.
-const SOFT_SHARE: f32 = 0.992;
+const SOFT_SHARE: f32 = 0.98;
 /// Legs at rest may be straighter.
 const REST_SHARE: f32 = 0.9995;
-/// Frames over which the pelvis comes down for a leg that would be too short.
-const LOWER_FRAMES: usize = 5;
+/// Hip above ankle over the leg's length, the mean of a walk: knees of 10 to 15 degrees in the middle of the stance
+/// (Winter 1990); captured skeletons disagree by centimetres, so only the rise and fall is taken from them.
+const WALKING_SHARE: f32 = 0.962;
+/// Frames over which the pelvis comes down for a leg that would be too short, and a heel comes up.
+const LOWER_FRAMES: usize = 3;
+const RISE_FRAMES: usize = 2;
+/// A heel comes up by at most this much more than measured for a leg to reach, radians.
+const EXTRA_RISE: f32 = 0.4;
 /// Over this long the pelvis's height goes over into that of an end, seconds.
 const LEAD_S: f32 = 0.25;
 /// Speed from which trunk and arms swing as measured, metres per second; slower, they swing less.
@@ -75,45 +81,64 @@ pub(super) fn walk(
     walk.motion()
 }
 
-/// A steady walk of two strides whose middle is the canonical moment of `state`, and the way of it.
-fn steady(person: &Person, state: &Walking) -> ([End; 2], Way) {
+/// A steady walk through the canonical moment of `state`, from so many strides before to so many after it, and its way.
+fn steady(person: &Person, state: &Walking, strides: [f32; 2]) -> ([End; 2], Way) {
     let stride = ahead(state.heading) * (2.0 * Canonical::of(person, state).step_s * state.speed_m_per_s);
-    let at = |by: f32| Walking { at: state.at + stride * by, ..*state };
-    let point = |at: Vec3| PathPoint {
-        at,
+    let ends = strides.map(|by| Walking { at: state.at + stride * by, ..*state });
+    let point = |state: Walking| PathPoint {
+        at: state.at,
         heading: state.heading,
         clearance_m: 1.0,
         speed_m_per_s: state.speed_m_per_s,
     };
-    let [from, to] = [at(-1.0), at(1.0)];
-    let way = Way::new(&[point(from.at), point(to.at)]);
-    ([End::Walking(from), End::Walking(to)], way)
+    let way = Way::new(&ends.map(point));
+    (ends.map(End::Walking), way)
 }
 
-/// By how much the pelvis is lowered at the canonical moment of a walk, metres.
-fn canonical_lowering_m(person: &Person, state: &Walking) -> f32 {
-    let (ends, way) = steady(person, state);
+/// What has to give way at a moment for both legs to reach their feet.
+#[derive(Clone, Copy, Debug, Default)]
+struct Give {
+    /// The pelvis comes down, metres.
+    lower_m: f32,
+    /// Each heel comes up, radians.
+    rise: [f32; 2],
+}
+
+/// What gives way at the canonical moment of a walk.
+fn canonical_give(person: &Person, state: &Walking) -> Give {
+    let (ends, way) = steady(person, state, [-1.0, 1.0]);
     let style = Style::plain();
     let walk = Walk::new(person, [&ends[0], &ends[1]], &way, None, &style);
     let middle_s = walk.falls.get(1).map_or(0.0, |fall| fall.land_s);
-    let around = 2 * LOWER_FRAMES;
-    let needed: Vec<f32> = (0..=2 * around)
-        .map(|i| {
-            let t = middle_s + (i as f32 - around as f32) / CLIP_FPS;
-            walk.stick(t).0.overreach_m(person, SOFT_SHARE).into_iter().fold(0.0, f32::max)
-        })
-        .collect();
-    smooth_cover(&needed, LOWER_FRAMES)[around]
+    let around = 3 * LOWER_FRAMES;
+    let times: Vec<f32> =
+        (0..=2 * around).map(|i| middle_s + (i as f32 - around as f32) / CLIP_FPS).collect();
+    walk.give(&times)[around]
 }
 
 /// The pose at the canonical moment of a walk.
 pub(super) fn walking_stick(person: &Person, state: &Walking) -> Stick {
-    let (ends, way) = steady(person, state);
-    let from = End::Walking(*state);
+    let (ends, way) = steady(person, state, [0.0, 1.0]);
     let style = Style::plain();
-    let mut stick = Walk::new(person, [&from, &ends[1]], &way, None, &style).stick(0.0).0;
-    stick.pelvis.y -= canonical_lowering_m(person, state);
+    let mut stick = Walk::new(person, [&ends[0], &ends[1]], &way, None, &style).stick(0.0).0;
+    canonical_give(person, state).apply(person, &mut stick);
     stick
+}
+
+impl Give {
+    fn apply(&self, person: &Person, stick: &mut Stick) {
+        stick.pelvis.y -= self.lower_m;
+        for foot in 0..2 {
+            stick.feet[foot] = rolled(&stick.feet[foot], &person.feet[foot], self.rise[foot]);
+        }
+    }
+
+    fn plus(&self, other: &Self, by: f32, less: &Self) -> Self {
+        Self {
+            lower_m: self.lower_m + by * (other.lower_m - less.lower_m),
+            rise: [0, 1].map(|i| (self.rise[i] + by * (other.rise[i] - less.rise[i])).max(0.0)),
+        }
+    }
 }
 
 struct Walk<'a> {
@@ -162,29 +187,70 @@ impl<'a> Walk<'a> {
     fn motion(&self) -> LegMotion {
         let count = (self.seconds * CLIP_FPS).round() as usize;
         let time = |i: usize| self.seconds * i as f32 / count as f32;
-        let mut moments: Vec<(Stick, [bool; 2])> = (0..=count).map(|i| self.stick(time(i))).collect();
-        let needed: Vec<f32> = (0..=count)
-            .map(|i| {
-                let share = SOFT_SHARE + (REST_SHARE - SOFT_SHARE) * self.rest(time(i));
-                moments[i].0.overreach_m(self.person, share).into_iter().fold(0.0, f32::max)
-            })
-            .collect();
-        let lowered = smooth_cover(&needed, LOWER_FRAMES);
+        let times: Vec<f32> = (0..=count).map(time).collect();
+        let given = self.give(&times);
         let ends = [0, 1].map(|end| match self.ends[end] {
-            End::Still(_) => 0.0,
-            End::Walking(state) => canonical_lowering_m(self.person, state),
+            End::Still(_) => Give::default(),
+            End::Walking(state) => canonical_give(self.person, state),
         });
-        // What the leg before and the leg after do at the ends is what this one does there.
-        let off = [ends[0] - lowered[0], ends[1] - lowered[count]];
-        for (i, (stick, _)) in moments.iter_mut().enumerate() {
-            let led = off[0] * (1.0 - ease(time(i), 0.0, LEAD_S))
-                + off[1] * ease(time(i), self.seconds - LEAD_S, self.seconds);
-            stick.pelvis.y -= lowered[i] + led;
+        let mut moments = Vec::with_capacity(count + 1);
+        for (t, give) in times.iter().zip(&given) {
+            // What the leg before and the leg after do at the ends is what this one does there.
+            let give = give.plus(&ends[0], 1.0 - ease(*t, 0.0, LEAD_S), &given[0]).plus(
+                &ends[1],
+                ease(*t, self.seconds - LEAD_S, self.seconds),
+                &given[count],
+            );
+            let (mut stick, moments_of_feet) = self.stick(*t);
+            give.apply(self.person, &mut stick);
+            for foot in 0..2 {
+                stick.soften(self.person, foot, 1.0 - moments_of_feet[foot].on_floor);
+            }
+            let planted = [0, 1].map(|i| moments_of_feet[i].planted && give.rise[i] < 0.02);
+            moments.push((stick, planted));
         }
         LegMotion {
             frames: moments.iter().map(|(stick, _)| stick.frame(self.person)).collect(),
             planted: moments.iter().map(|(_, planted)| *planted).collect(),
         }
+    }
+
+    /// For each time how far heels come up and then the pelvis down, smoothly, so that no standing leg is overstretched.
+    fn give(&self, times: &[f32]) -> Vec<Give> {
+        let share = |t: f32| SOFT_SHARE + (REST_SHARE - SOFT_SHARE) * self.rest(t);
+        let moments: Vec<(Stick, [FootMoment; 2])> = times.iter().map(|t| self.stick(*t)).collect();
+        let rise = [0, 1].map(|foot| {
+            let needed: Vec<f32> = moments
+                .iter()
+                .zip(times)
+                .map(|((stick, feet), t)| feet[foot].heel_free * self.rise(stick, foot, share(*t)))
+                .collect();
+            smooth_cover(&needed, RISE_FRAMES)
+        });
+        let lower: Vec<f32> = (0..times.len())
+            .map(|i| {
+                let (mut stick, feet) = moments[i].clone();
+                Give { lower_m: 0.0, rise: [rise[0][i], rise[1][i]] }.apply(self.person, &mut stick);
+                let over = stick.overreach_m(self.person, share(times[i]));
+                (0..2).map(|foot| over[foot] * feet[foot].on_floor).fold(0.0, f32::max)
+            })
+            .collect();
+        let lower = smooth_cover(&lower, LOWER_FRAMES);
+        (0..times.len()).map(|i| Give { lower_m: lower[i], rise: [rise[0][i], rise[1][i]] }).collect()
+    }
+
+    /// How far a heel has to come up for its leg to reach.
+    fn rise(&self, stick: &Stick, foot: usize, share: f32) -> f32 {
+        let mut rise = 0.0;
+        let most = EXTRA_RISE.min(toes_room(&stick.feet[foot]));
+        let mut raised = stick.clone();
+        // The ankle comes up by the length of the foot's lever times the angle: a few steps of Newton's method.
+        for _ in 0..4 {
+            raised.feet[foot] = rolled(&stick.feet[foot], &self.person.feet[foot], rise);
+            let over = raised.overreach_m(self.person, share)[foot];
+            rise = (rise + over / self.person.feet[foot].ball.z).min(most);
+        }
+        rise
     }
 
     fn velocity(&self, t: f32) -> Vec3 {
@@ -219,8 +285,8 @@ impl<'a> Walk<'a> {
         [from, to]
     }
 
-    /// The pose at a time, and whether each foot is planted.
-    fn stick(&self, t: f32) -> (Stick, [bool; 2]) {
+    /// The pose at a time, before anything gives way, and its feet.
+    fn stick(&self, t: f32) -> (Stick, [FootMoment; 2]) {
         let (person, model) = (self.person, self.person.model);
         let phase = self.phase.at(t);
         let speed = self.velocity(t).length();
@@ -233,7 +299,7 @@ impl<'a> Walk<'a> {
         let floor = self.path.at(t);
         stick.pelvis = Vec3::new(floor.x, floor.y + self.height_m(t, phase, pace, lively), floor.z);
         stick.pelvis += self.sway(heading, phase, self.turn.at(t).y);
-        (stick, feet.map(|foot| foot.planted))
+        (stick, feet)
     }
 
     fn sway(&self, heading: f32, phase: f32, half_m: f32) -> Vec3 {
@@ -243,7 +309,10 @@ impl<'a> Walk<'a> {
 
     fn height_m(&self, t: f32, phase: f32, pace: Pace, lively: f32) -> f32 {
         let person = self.person;
-        let walking = person.ankle_m() + person.leg_m * person.model.height.at(phase, pace, lively);
+        let height = &person.model.height;
+        let swing = height.at(phase, pace, lively) - height.at(phase, pace, 0.0);
+        let hips = person.leg_m * (WALKING_SHARE + swing);
+        let walking = person.ankle_m() + hips + person.pelvis_above_hips_m();
         let standing = |end: usize| match self.ends[end] {
             End::Still(stick) => Some(stick.pelvis.y - self.floor_y(end)),
             End::Walking(_) => None,
@@ -358,11 +427,9 @@ fn path(person: &Person, ends: [&End; 2], steps: &Steps) -> Spline {
     let still_end = matches!(ends[1], End::Still(_));
     for (k, fall) in steps.falls.iter().enumerate() {
         feet[fall.foot] = fall.place;
-        let lead = person.lead_m() * fall.roll;
         let middle = feet[0].ankle.midpoint(feet[1].ankle) - Vec3::Y * person.ankle_m();
-        let over = middle + ahead(fall.heading) * lead;
         if k + 1 < count {
-            keys.push((fall.land_s, over));
+            keys.push((fall.land_s, middle + ahead(fall.heading) * (person.lead_m() * fall.roll)));
         } else if still_end {
             // The body arrives a little after its last foot.
             let before = keys[keys.len() - 1].1;

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use super::PlanConfig;
 use super::ground::Ground;
 use crate::motion::leg::PathPoint;
-use crate::scene::facing_of;
+use crate::scene::{direction_of, facing_of};
 
 /// Spacing of the curve's points, metres.
 const SPACING_M: f32 = 0.05;
@@ -128,8 +128,7 @@ fn headings(points: &[Vec2]) -> Vec<f32> {
 fn curvature(points: &[Vec2], heading: &[f32], i: usize) -> f32 {
     let (a, b) = (i.saturating_sub(CHORD), (i + CHORD).min(points.len() - 1));
     let along: f32 = points[a..=b].windows(2).map(|p| p[0].distance(p[1])).sum();
-    let turn = (heading[b] - heading[a] + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU)
-        - std::f32::consts::PI;
+    let turn = direction_of(heading[a]).angle_to(direction_of(heading[b]));
     if along > 0.0 { turn.abs() / along } else { 0.0 }
 }
 

@@ -36,13 +36,23 @@ pub struct PlanConfig {
     pub speed_m_per_s: f32,
     /// Most walking time between two sub-goals, seconds.
     pub apart_s: f32,
+    /// Length of a natural stride (two steps) at that speed, metres: between two moments of a walk at the same phase
+    /// lies a whole number of these.
+    pub stride_m: f32,
 }
 
 impl Default for PlanConfig {
     /// Half a shoulder's width with arms is 22 cm (`scene::Walker`); a turned chest 30 cm thick passes 32 cm. People
     /// indoors walk at about 1.2 m/s (Bohannon 1997: 1.27 to 1.46 m/s outdoors). LTM §4.1: clips of two seconds.
     fn default() -> Self {
-        Self { comfort_m: 0.45, body_m: 0.22, squeeze_m: 0.155, speed_m_per_s: 1.2, apart_s: 2.0 }
+        Self {
+            comfort_m: 0.45,
+            body_m: 0.22,
+            squeeze_m: 0.155,
+            speed_m_per_s: 1.2,
+            apart_s: 2.0,
+            stride_m: 1.3,
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{PlanConfig, Way};
 use crate::motion::leg::{PathPoint, Walking};
+use crate::scene::direction_of;
 
 /// How fast people speed up and slow down, metres per second squared.
 const RAMP: f32 = 1.0;
@@ -9,6 +10,9 @@ const RAMP: f32 = 1.0;
 const FIRST_M_PER_S: f32 = 0.35;
 /// A sub-goal may move this part of its leg's time to where the way bends less.
 const LEEWAY: f32 = 0.15;
+
+/// One more leg is worth strides that are stretched by this much less, as a logarithm.
+const MORE_LEGS: f32 = 0.08;
 
 /// A sub-goal on a way: which of its points, and how it is walked through.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,19 +53,17 @@ pub(super) fn between(way: &Way, still: [bool; 2], config: &PlanConfig) -> Vec<O
     }
     let time = times(points, still);
     let total = time[points.len() - 1];
-    // Moved towards each other's far sides, two sub-goals are still no farther apart than allowed.
-    let legs = (total * (1.0 + 2.0 * LEEWAY) / config.apart_s).ceil().max(1.0);
     if total <= config.apart_s {
         return Vec::new();
     }
-    let each = total / legs;
+    let legs = count_of_legs(total, way.length_m(), config);
+    let each = total / legs as f32;
     let place = |k: usize| {
         let at = |t: f32| time.partition_point(|time| *time < t).min(points.len() - 1);
         let (low, middle, high) = ((k as f32 - LEEWAY) * each, k as f32 * each, (k as f32 + LEEWAY) * each);
         let bend = |i: usize| {
             let (a, b) = (&points[i.saturating_sub(4)], &points[(i + 4).min(points.len() - 1)]);
-            let turn = (b.heading - a.heading + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU);
-            (turn - std::f32::consts::PI).abs()
+            direction_of(a.heading).angle_to(direction_of(b.heading)).abs()
         };
         // A degree of bend weighs as much as a hundredth of a second.
         let cost = |i: usize| bend(i).to_degrees() * 0.01 + (time[i] - middle).abs();
@@ -70,7 +72,19 @@ pub(super) fn between(way: &Way, still: [bool; 2], config: &PlanConfig) -> Vec<O
         let walking = Walking { at: point.at, heading: point.heading, speed_m_per_s: point.speed_m_per_s };
         OnWay { index, walking }
     };
-    (1..legs as usize).map(place).collect()
+    (1..legs).map(place).collect()
+}
+
+/// Into how many legs a way is cut: few, and so long that strides need little stretching.
+fn count_of_legs(total_s: f32, length_m: f32, config: &PlanConfig) -> usize {
+    // Moved towards each other's far sides, two sub-goals are still no farther apart than allowed.
+    let least = (total_s * (1.0 + 2.0 * LEEWAY) / config.apart_s).ceil().max(2.0) as usize;
+    let cost = |legs: usize| {
+        let strides = length_m / legs as f32 / config.stride_m;
+        let stretch = (strides / strides.round().max(1.0)).ln().abs();
+        stretch + MORE_LEGS * (legs - least) as f32
+    };
+    (least..least + 3).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(least)
 }
 
 #[cfg(test)]

@@ -95,9 +95,12 @@ fn order(a: Vec3, b: Vec3) -> Ordering {
 fn worth(task: &Task<'_>, surface: &Surface) -> Option<f32> {
     let allowed = task.kind.on.contains(&surface.ground);
     let is_key = surface.owner == Some(task.key);
+    // What stays is put where it suits best, wherever people are: a television on its stand.
+    let suits = if task.kind.on.first() == Some(&surface.ground) { 1.0 } else { ELSEWHERE };
     match (allowed, surface.ground, is_key) {
         (false, ..) => None,
         (true, Ground::Floor, _) if task.kind.on.len() > 1 => Some(ON_FLOOR),
+        (true, ..) if task.kind.stays => Some(suits),
         (true, Ground::Floor, _) | (true, _, true) => Some(1.0),
         (true, _, false) => Some(ELSEWHERE),
     }

@@ -30,6 +30,17 @@ const LARGER: f32 = 1.6;
 /// Samples kept for the overlay.
 const KEPT: usize = 96;
 
+/// How far something in the way is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reach {
+    /// Up to [`FARTHEST_M`].
+    Near,
+    /// Through the whole room.
+    Anywhere,
+    /// Through the whole room, the working zone too.
+    InTheZone,
+}
+
 /// Where something in the way can go.
 pub struct Away<'a> {
     /// The room now, without what is lifted.
@@ -60,15 +71,17 @@ impl Away<'_> {
         let mut samples = Vec::new();
         let lies_on_floor = self.ground_now(item) == Some(Ground::Floor);
         let tops = |g: Ground| suited(g) && (g != Ground::Floor || lies_on_floor);
-        let rest = self
-            .on_surfaces(item, &tops, FARTHEST_M, rng, &mut samples)
-            .map(|rest| (rest, MoveReason::InTheWay))
+        let floor = |g: Ground| g == Ground::Floor;
+        let clean = kind.is_some_and(|k| !k.on.contains(&Ground::Floor));
+        let mut on = |allowed: &dyn Fn(Ground) -> bool, reach: Reach, why: MoveReason, rng: &mut Rng| {
+            self.on_surfaces(item, allowed, reach, rng, &mut samples).map(|rest| (rest, why))
+        };
+        let rest = on(&tops, Reach::Near, MoveReason::InTheWay, rng)
             .or_else(|| self.on_a_stack(item, kind, rng).map(|rest| (rest, MoveReason::Stacked)))
-            .or_else(|| {
-                let floor = |g: Ground| g == Ground::Floor;
-                let rest = self.on_surfaces(item, &floor, f32::INFINITY, rng, &mut samples);
-                rest.map(|rest| (rest, MoveReason::ToTheFloor))
-            });
+            .or_else(|| clean.then(|| on(&tops, Reach::Anywhere, MoveReason::InTheWay, rng)).flatten())
+            // Food and china rather crowd the table than lie on the floor.
+            .or_else(|| clean.then(|| on(&tops, Reach::InTheZone, MoveReason::Crowded, rng)).flatten())
+            .or_else(|| on(&floor, Reach::Anywhere, MoveReason::ToTheFloor, rng));
         let drawn = samples.len();
         samples.truncate(KEPT);
         Found { rest, candidates: Candidates { object: item.name.clone(), samples, drawn } }
@@ -85,18 +98,17 @@ impl Away<'_> {
         &self,
         item: &Arc<Item>,
         allowed: &dyn Fn(Ground) -> bool,
-        farthest_m: f32,
+        reach: Reach,
         rng: &mut Rng,
         samples: &mut Vec<Sample>,
     ) -> Option<Rest> {
-        let mut drawn = self.draw(item, allowed, farthest_m, rng);
+        let mut drawn = self.draw(item, allowed, reach, rng);
         drawn.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.x.total_cmp(&b.2.x)).then(a.2.z.total_cmp(&b.2.z)));
         let avoid = Avoid { lifted: self.lifted, balls: self.balls };
         for (distance_m, surface, at) in drawn.into_iter().take(MOST_FAILURES) {
             let soft = self.world.stage.surfaces[surface].soft;
             let onto = Onto::Surface { number: surface, height_m: at.y, soft };
-            let verdict = self.try_at(item, flat(at), onto, &avoid);
-            let (rest, verdict) = match verdict {
+            let (rest, verdict) = match self.try_at(item, flat(at), onto, reach, &avoid) {
                 Ok(rest) => (Some(rest), Verdict::Taken),
                 Err(verdict) => (None, verdict),
             };
@@ -113,10 +125,11 @@ impl Away<'_> {
         &self,
         item: &Item,
         allowed: &dyn Fn(Ground) -> bool,
-        farthest_m: f32,
+        reach: Reach,
         rng: &mut Rng,
     ) -> Vec<(f32, usize, Vec3)> {
         let from = item.pose.at;
+        let farthest_m = if reach == Reach::Near { FARTHEST_M } else { f32::INFINITY };
         let height_m = item.shape.bounds.size().y;
         let (mut cells, mut nearby): (Vec<(usize, Vec3)>, Vec<(usize, Vec3)>) = Default::default();
         for (number, surface) in
@@ -124,7 +137,8 @@ impl Away<'_> {
         {
             for (at, clear_m) in &surface.cells {
                 let distance_m = at.distance(from);
-                if *clear_m > height_m && distance_m < farthest_m {
+                let free = reach == Reach::InTheZone || !self.zone.holds_point(flat(*at), at.y);
+                if *clear_m > height_m && distance_m < farthest_m && free {
                     cells.push((number, *at));
                     if distance_m < NEARBY_M {
                         nearby.push((number, *at));
@@ -151,18 +165,29 @@ impl Away<'_> {
         drawn
     }
 
-    fn try_at(&self, item: &Item, at: Vec2, onto: Onto, avoid: &Avoid<'_>) -> Result<Rest, Verdict> {
+    fn try_at(
+        &self,
+        item: &Item,
+        at: Vec2,
+        onto: Onto,
+        reach: Reach,
+        avoid: &Avoid<'_>,
+    ) -> Result<Rest, Verdict> {
         let height_m = match onto {
             Onto::Surface { height_m, .. } => height_m,
             Onto::Item { top_m, .. } => top_m,
         };
         let nominal = super::world::Pose { at: Vec3::new(at.x, height_m, at.y), ..item.pose };
-        if self.zone.holds(&item.shape, &nominal) {
+        let keeps_out = reach != Reach::InTheZone;
+        if keeps_out && self.zone.holds(&item.shape, &nominal) {
             return Err(Verdict::InTheZone);
         }
         let rest =
             self.world.place(&item.shape, at, item.pose.yaw_rad, onto, avoid).map_err(Verdict::from)?;
-        if self.zone.holds(&item.shape, &rest.pose) { Err(Verdict::InTheZone) } else { Ok(rest) }
+        if keeps_out && self.zone.holds(&item.shape, &rest.pose) {
+            return Err(Verdict::InTheZone);
+        }
+        Ok(rest)
     }
 
     /// On top of something that its kind may lie on, the nearest first.
@@ -189,7 +214,7 @@ impl Away<'_> {
             (0..6).find_map(|k| {
                 let off = Vec2::from_angle(rng.random_range(-PI..PI)) * 0.02 * k as f32 / 6.0;
                 let middle = base.bounds.center();
-                self.try_at(item, flat(middle) + off, onto, &avoid).ok()
+                self.try_at(item, flat(middle) + off, onto, Reach::Near, &avoid).ok()
             })
         })
     }

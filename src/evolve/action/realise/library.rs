@@ -68,6 +68,9 @@ pub struct Kind {
     pub spread_deg: f32,
     /// How many a room takes before they are re-used.
     pub most: usize,
+    /// How many one person uses at once: photos show other people's things too.
+    #[serde(default = "one")]
+    pub at_once: usize,
     /// What it may stand on, best first.
     pub on: Vec<Ground>,
     /// Kinds that it may lie on where there is no free surface.
@@ -84,6 +87,10 @@ pub struct Kind {
     pub stays: bool,
     /// Its models: `objects/FILE`, `furniture/FILE`, `made/NAME` or `own/NAME`.
     pub models: Vec<String>,
+}
+
+fn one() -> usize {
+    1
 }
 
 /// How often something that the photos have no word for is there, and where; written by hand.

@@ -6,14 +6,25 @@ use glam::{Vec2, Vec3};
 use serde::Serialize;
 
 use super::evolution::Evolution;
-use super::world::{Held, Item, Lifted, Onto, Pose, Source, World, flat};
+use super::shape::UnderPoint;
+use super::world::{Held, Item, Lifted, Pose, Source, Things, World, flat};
+use crate::inspect::distance_to_hull;
 use crate::math::Aabb;
 use crate::scene::WalkableFloor;
 
 /// Deeper than this is an interpenetration.
 pub const PENETRATION_MM: f32 = 2.0;
-/// A thing held at this distance is held: thickness of a sheet, and what soft surfaces give.
-const HELD_WITHIN_M: f32 = 0.004;
+/// A thing whose nearest point is this near to what is below does not hang in the air.
+const HELD_WITHIN_M: f32 = 0.005;
+/// Points of the underside this far above what is below still carry: what counts as even when a thing is put down,
+/// and the half millimetre to two and a half that it is lifted to run into nothing.
+const CARRIES_M: f32 = 0.007;
+/// What beds and couches give.
+const HELD_SOFTLY_M: f32 = 0.025;
+/// Rays for what is below start so far above the underside.
+const FROM_ABOVE_M: f32 = 0.004;
+/// Weight this far outside of what carries it tips a thing.
+const TIPS_M: f32 = 0.008;
 /// Squares of the plan whose filling tells how scattered things are.
 const SCATTER_M: f32 = 0.25;
 /// Floor things lower than this are stepped over.
@@ -91,7 +102,7 @@ pub fn measure(evolution: &Evolution) -> RoomMeasures {
 /// Whether an action moved or brought a thing.
 fn is_touched(world: &World, item: &Item) -> bool {
     let found = world.stage.movable.iter().find(|f| f.id == item.id);
-    found.is_none_or(|f| item.pose != Pose { at: f.at, yaw_rad: 0.0 })
+    found.is_none_or(|f| item.pose != Pose::upright(f.at, 0.0))
 }
 
 fn interpenetrations(world: &World, touched: &[std::sync::Arc<Item>]) -> Vec<Interpenetration> {
@@ -152,33 +163,35 @@ fn least_shift_mm(meets: &dyn Fn(Vec3) -> bool) -> f32 {
     128.0
 }
 
-/// Why a thing would fall, for people; `None` when something is right under it and it does not tip.
+/// Why a thing would fall, for people; `None` when something is right under it and it does not tip. Looks at the thing
+/// as it lies, whatever was known when it was put there.
 fn not_held(world: &World, item: &Item) -> Option<String> {
-    // What stands on it is not under it.
-    let mut lifted = Lifted::from([item.id]);
-    lifted.extend(world.carried_by(item.id));
-    let foot_m = item.pose.at.y + item.shape.bounds.min.y;
-    let onto = match item.held {
-        Held::Surface(number) => {
-            let soft = world.stage.surfaces.get(number).is_some_and(|s| s.soft);
-            Onto::Surface { number, height_m: foot_m, soft }
-        }
-        Held::Item(id) => Onto::Item { id, top_m: foot_m + item.shape.bounds.size().y.min(0.03) },
-        Held::AsFound => return None,
-    };
-    let on = match item.held {
-        Held::Item(id) => {
-            world.item(id).map_or_else(|| "something that is gone".to_owned(), |i| i.name.clone())
-        }
-        _ => "the room".to_owned(),
-    };
-    match world.set_down(&item.shape, flat(item.pose.at), item.pose.yaw_rad, onto, &lifted) {
-        Err(_) => Some(format!("{} hangs over the edge of {on}", item.name)),
-        Ok(rest) => {
-            let gap_m = item.pose.at.y - rest.pose.at.y;
-            (gap_m.abs() > HELD_WITHIN_M).then(|| format!("{} is {:.0} mm over {on}", item.name, gap_m * 1e3))
-        }
+    if item.held == Held::AsFound {
+        return None;
     }
+    // What stands on it is not under it.
+    let mut above = Lifted::from([item.id]);
+    above.extend(world.carried_by(item.id));
+    let soft = match item.held {
+        Held::Surface(number) => world.stage.surfaces.get(number).is_some_and(|s| s.soft),
+        _ => false,
+    };
+    let carries_m = if soft { HELD_SOFTLY_M } else { CARRIES_M };
+    let place = item.world_from_item();
+    let gap_m = |p: &UnderPoint| {
+        let point = place.transform_point3(Vec3::new(p.at.x, item.shape.bounds.min.y + p.lift_m, p.at.y));
+        let top = world.top_below(flat(point), point.y + FROM_ABOVE_M, &Things::AllBut(&above)).0;
+        (p.at, point.y - top)
+    };
+    let gaps: Vec<(Vec2, f32)> = item.shape.under.iter().map(gap_m).collect();
+    let least_m = gaps.iter().map(|g| g.1).fold(f32::INFINITY, f32::min);
+    if least_m > HELD_WITHIN_M {
+        return Some(format!("{} hangs {:.0} mm in the air", item.name, least_m * 1e3));
+    }
+    let carried: Vec<Vec2> = gaps.iter().filter(|g| g.1 < carries_m).map(|g| g.0).collect();
+    let off_m = distance_to_hull(&carried, item.shape.middle);
+    (off_m > TIPS_M)
+        .then(|| format!("{} tips: its weight is {:.0} mm off what carries it", item.name, off_m * 1e3))
 }
 
 /// Shannon entropy of where small things lie.
@@ -210,8 +223,7 @@ fn ways_left(evolution: &Evolution) -> (f32, bool) {
 }
 
 fn found_positions(world: &World) -> Vec<Aabb> {
-    let at =
-        |f: &super::stage::Found| super::world::placed_bounds(&f.shape, &Pose { at: f.at, yaw_rad: 0.0 });
+    let at = |f: &super::stage::Found| super::world::placed_bounds(&f.shape, &Pose::upright(f.at, 0.0));
     world.stage.movable.iter().map(at).collect()
 }
 

@@ -1,6 +1,6 @@
 //! The geometry of one movable thing in its own frame: triangles in a tree, its underside, its outline in plan.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use glam::{Vec2, Vec3};
 
@@ -12,8 +12,8 @@ use crate::scene::TriangleBvh;
 const UNDER_STEPS: usize = 6;
 /// What is this near to the lowest point touches a flat surface.
 const CONTACT_M: f32 = 0.003;
-/// Extra points at the lowest corners, for legs that a grid misses.
-const MOST_CONTACTS: usize = 16;
+/// Corners that are kept of an outline; those of the underside find legs that the grid of points misses.
+const MOST_CORNERS: usize = 16;
 
 /// A point of the underside.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,12 +37,14 @@ pub struct Shape {
     pub bounds: Aabb,
     /// Its underside.
     pub under: Vec<UnderPoint>,
-    /// The convex hull of its plan, counter-clockwise in (x, z).
+    /// The convex hull of its plan, counter-clockwise in (x, z); of round things some corners.
     pub plan: Vec<Vec2>,
     /// Where its weight is taken to be: the middle of its area in plan.
     pub middle: Vec2,
     /// Largest distance of its plan from the origin, metres.
     pub reach_m: f32,
+    /// Radius of the circle about `middle` that its plan holds, metres.
+    pub core_m: f32,
 }
 
 impl Shape {
@@ -52,19 +54,20 @@ impl Shape {
         let bounds = Aabb::of(corners());
         let contacts = lowest_corners(corners(), bounds.min.y);
         let flat: Vec<Vec2> = corners().map(|p| Vec2::new(p.x, p.z)).collect();
-        let plan = convex_hull(&flat);
-        let reach_m = plan.iter().map(|p| p.length()).fold(0.0, f32::max);
+        let plan = outermost(convex_hull(&flat));
+        let reach_m = flat.iter().map(|p| p.length()).fold(0.0, f32::max);
         let tree = TriangleBvh::new(triangles);
         let mut under = under_grid(&tree, &bounds);
         let count = under.len().max(1) as f32;
         let middle = under.iter().map(|p| p.at).sum::<Vec2>() / count;
+        let core_m = inner_radius(&plan, middle);
         under.extend(contacts.into_iter().map(|at| UnderPoint {
             at,
             lift_m: 0.0,
             contact: true,
             area: false,
         }));
-        Self { tree, bounds, under, plan, middle, reach_m }
+        Self { tree, bounds, under, plan, middle, reach_m, core_m }
     }
 
     /// Size of the plan's box in square metres.
@@ -78,6 +81,13 @@ impl Shape {
         let size = self.bounds.size();
         size.x * size.y * size.z
     }
+}
+
+/// Distance of a point from the nearest edge of a convex outline around it; 0 outside.
+fn inner_radius(hull: &[Vec2], point: Vec2) -> f32 {
+    let edges = (0..hull.len()).map(|i| (hull[i], hull[(i + 1) % hull.len()]));
+    let inside = |(a, b): (Vec2, Vec2)| (b - a).normalize_or_zero().perp_dot(point - a);
+    edges.map(inside).fold(f32::INFINITY, f32::min).clamp(0.0, 10.0)
 }
 
 /// Rays from below, at even places of the plan.
@@ -99,18 +109,20 @@ fn under_grid(tree: &TriangleBvh, bounds: &Aabb) -> Vec<UnderPoint> {
 /// Corners at the underside, the outermost first, no two of a kind near each other.
 fn lowest_corners(corners: impl Iterator<Item = Vec3>, lowest: f32) -> Vec<Vec2> {
     let low: Vec<Vec2> = corners.filter(|p| p.y < lowest + CONTACT_M).map(|p| Vec2::new(p.x, p.z)).collect();
-    let hull = convex_hull(&low);
-    if hull.len() <= MOST_CONTACTS {
+    outermost(convex_hull(&low))
+}
+
+/// Of a hull with many corners the farthest in each of a few directions, in the hull's order.
+fn outermost(hull: Vec<Vec2>) -> Vec<Vec2> {
+    if hull.len() <= MOST_CORNERS {
         return hull;
     }
-    // The farthest in each direction.
-    let mut kept: BTreeMap<usize, Vec2> = BTreeMap::new();
-    for k in 0..MOST_CONTACTS {
-        let way = Vec2::from_angle(std::f32::consts::TAU * k as f32 / MOST_CONTACTS as f32);
-        let farthest = (0..hull.len()).max_by(|a, b| hull[*a].dot(way).total_cmp(&hull[*b].dot(way)));
-        kept.extend(farthest.map(|i| (i, hull[i])));
-    }
-    kept.into_values().collect()
+    let farthest = |k: usize| {
+        let way = Vec2::from_angle(std::f32::consts::TAU * k as f32 / MOST_CORNERS as f32);
+        (0..hull.len()).max_by(|a, b| hull[*a].dot(way).total_cmp(&hull[*b].dot(way)))
+    };
+    let kept: BTreeSet<usize> = (0..MOST_CORNERS).filter_map(farthest).collect();
+    kept.into_iter().map(|i| hull[i]).collect()
 }
 
 #[cfg(test)]

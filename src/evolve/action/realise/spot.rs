@@ -221,7 +221,7 @@ impl SpotFinder<'_> {
         let (chair, shape, seat) = self.nearest_chair(pelvis, edge.drop_m, rng)?;
         let front = seat.front.unwrap_or(direction_of(facing_rad));
         let yaw_rad = facing_rad - if seat.front.is_some() { facing_of(front) } else { facing_rad };
-        let turned = Pose { at: Vec3::ZERO, yaw_rad }.plan(seat.at);
+        let turned = Pose::upright(Vec3::ZERO, yaw_rad).plan(seat.at);
         let mut lifted = self.lifted.clone();
         if let Chair::Item(id) = &chair {
             lifted.insert(*id);

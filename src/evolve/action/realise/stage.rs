@@ -27,6 +27,10 @@ const FLOOR_RANGE_M: f32 = 0.12;
 const BEFORE_DOOR_M: f32 = 0.8;
 /// Tops higher than this are out of reach.
 const HIGHEST_TOP_M: f32 = 1.5;
+/// A table without a better name serves as desk or dining table from this size of its top.
+const LEAST_TABLE_M2: f32 = 0.4;
+/// Smaller tops are no key objects.
+const LEAST_TOP_M2: f32 = 0.12;
 /// A surface with less room above is no place to work at.
 const WORK_CLEARANCE_M: f32 = 0.3;
 
@@ -265,9 +269,15 @@ fn floor_of(room: &Room, geometry: &RoomGeometry) -> Surface {
 
 /// Which objects serve as which key object: those of the best category that is there. They need a surface.
 fn key_objects(room: &Room, surfaces: &[Surface]) -> BTreeMap<KeyObject, Vec<ObjectId>> {
-    let has_surface = |id: ObjectId| surfaces.iter().any(|s| s.owner == Some(id));
+    let top_m2 = |id: ObjectId| {
+        let tops = surfaces.iter().filter(|s| s.owner == Some(id));
+        tops.map(|s| s.cells.len() as f32 * s.cell_m * s.cell_m).fold(0.0, f32::max)
+    };
     let of = |category: Category| -> Vec<ObjectId> {
-        let same = room.objects.iter().filter(|o| o.visible && o.category == category && has_surface(o.id));
+        // What is only called a table may be a nightstand.
+        let least_m2 = if category == Category::Table { LEAST_TABLE_M2 } else { LEAST_TOP_M2 };
+        let same =
+            room.objects.iter().filter(|o| o.visible && o.category == category && top_m2(o.id) > least_m2);
         same.map(|o| o.id).collect()
     };
     let serving = |key: KeyObject| key.categories().iter().map(|c| of(*c)).find(|found| !found.is_empty());

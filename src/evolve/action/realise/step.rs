@@ -56,6 +56,8 @@ pub enum MoveReason {
     InTheWay,
     /// It was in the way, and only on top of something was there room.
     Stacked,
+    /// It was in the way, and no table had room but that which is used.
+    Crowded,
     /// It was in the way, and only on the floor was there room.
     ToTheFloor,
 }
@@ -68,6 +70,7 @@ impl MoveReason {
             Self::SatOn => "somebody sits on it",
             Self::InTheWay => "it was in the way",
             Self::Stacked => "it was in the way and found room on a stack",
+            Self::Crowded => "it was in the way and only here was room",
             Self::ToTheFloor => "it was in the way and found room on the floor",
         }
     }

@@ -43,6 +43,7 @@ pub fn draw(
         let frequency = occurrence.frequency();
         match library.of_label(&occurrence.object) {
             Some(kind) => {
+                let count = count.min(library.kind(kind).at_once.max(1));
                 wants.extend((0..count).map(|_| Want { kind, label: occurrence.object.clone(), frequency }))
             }
             None if count > 0 && !library.is_fixture(&occurrence.object) => failed.push(Failed {

@@ -37,6 +37,14 @@ impl Zone {
         Self { hull: convex_hull(&points), low_m: work_m - BELOW_M, high_m }
     }
 
+    /// Whether a point of the plan at a height is in it.
+    pub fn holds_point(&self, at: Vec2, height_m: f32) -> bool {
+        let edges = (0..self.hull.len()).map(|i| (self.hull[i], self.hull[(i + 1) % self.hull.len()]));
+        self.hull.len() > 2
+            && (self.low_m..=self.high_m).contains(&height_m)
+            && edges.into_iter().all(|(a, b)| (b - a).perp_dot(at - a) >= 0.0)
+    }
+
     /// Whether a thing at a place reaches into it.
     pub fn holds(&self, shape: &Shape, pose: &Pose) -> bool {
         let (low, high) = (pose.at.y + shape.bounds.min.y, pose.at.y + shape.bounds.max.y);
@@ -65,7 +73,7 @@ mod tests {
     #[test]
     fn what_reaches_in_is_held_and_what_lies_beside_or_below_is_not() {
         let block = Shape::new(block_triangles(Vec3::new(0.2, 0.1, 0.2)));
-        let at = |x: f32, y: f32| Pose { at: Vec3::new(x, y, 0.0), yaw_rad: 0.0 };
+        let at = |x: f32, y: f32| Pose::upright(Vec3::new(x, y, 0.0), 0.0);
         let zone = Zone::around(&[(Vec3::new(0.0, 1.0, 0.0), 0.3)], &[(&block, at(0.5, 0.75))], 0.75);
         assert!(zone.holds(&block, &at(0.25, 0.75)) && zone.holds(&block, &at(0.68, 0.75)));
         assert!(!zone.holds(&block, &at(0.72, 0.75)), "beside");

@@ -1,0 +1,484 @@
+//! A body for each sub-goal: on the seat or bed, or standing, at the point and in the direction that were asked for.
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+use super::{Cast, GoalReport};
+use crate::body::joints as j;
+use crate::body::{Body, FrameJoints};
+use crate::fit::{FitConfig, Fitter, Objective, Surroundings};
+use crate::generate::{Place, all_places, seat_family, settle_person};
+use crate::inspect::{Finding, Limits, Site, inspect_body};
+use crate::job::{Cancelled, Seed, Ticker};
+use crate::math::Aabb;
+use crate::motion::gait;
+use crate::motion::leg::FootPlace;
+use crate::motion::plan::{Blocked, PlanConfig, Planner, Seated, Spot, Station, Unreachable, stances};
+use crate::scene::{
+    BETAS, BodyParams, Category, Frame, GoalPose, PoseFamily, SubGoal, direction_of, facing_of,
+};
+
+/// Seats and beds farther from the point asked for than this don't come into question, metres.
+const NEAR_M: f32 = 0.8;
+/// Nor do those whose surface is this much higher or lower than the point, metres.
+const HEIGHT_M: f32 = 0.35;
+/// A point this near to a place is on the same seat: the body is tried at the very point, metres.
+const SAME_SEAT_M: f32 = 0.4;
+/// Turned farther than this from how a seat faces, nobody sits on it, radians.
+const TURNED: f32 = 1.2;
+/// Half a turn weighs as much as this distance, metres.
+const HALF_TURN_M: f32 = 0.8;
+/// Places of one seat that are tried, and ways to hold oneself at each.
+const TRIES: (usize, u64) = (3, 2);
+/// Weight of the place in a fit, per squared metre: two centimetres off weigh as much as a gap of a centimetre.
+const PLACE: f32 = 40.0;
+/// Points no higher than this above the floor are on the floor, metres.
+const ON_FLOOR_M: f32 = 0.2;
+/// A miss of this many centimetres, or degrees, is as bad as a finding that misses its limit by its own size.
+const MISS: (f32, f32) = (10.0, 25.0);
+/// How much less one likes to lie face down or on the side, metres of distance.
+const LIES_OTHERWISE_M: f32 = 0.15;
+/// Height at which people look around, metres, and how far they care to see.
+const EYES_M: (f32, f32) = (1.5, 4.0);
+/// Free radius where one gets up from a bed's edge, metres.
+const GET_UP_M: f32 = 0.15;
+/// From below the pelvis of somebody on a bed's edge to where they stand once they got up, metres.
+const GOT_UP_M: f32 = 0.65;
+
+/// A sub-goal with its body.
+#[derive(Clone, Debug)]
+pub(super) struct Resolved {
+    /// As it was asked for; the body is put in.
+    pub goal: SubGoal,
+    /// What is done there; never `Any`.
+    pub pose: GoalPose,
+    /// Name of what holds the body.
+    pub on: String,
+    /// What the body rests on the room as, where anything but its feet carries it.
+    pub family: Option<PoseFamily>,
+    /// For lying: the body on the bed's edge, through which one lies down and gets up.
+    pub edge: Option<Frame>,
+    /// Where the seated body's feet and pelvis are: of the edge for lying.
+    pub seated: Option<Seated>,
+    /// Where the body is and faces.
+    pub place: (Vec3, f32),
+}
+
+impl Resolved {
+    /// The sub-goal as the planner knows it.
+    pub fn station(&self, planner: &Planner<'_>) -> Station {
+        let mut goal = self.goal.clone();
+        goal.pose = self.pose;
+        let stances = self.seated.as_ref().map_or_else(Vec::new, |seated| stances(planner, seated));
+        Station { goal, stances }
+    }
+
+    /// How well the body meets what was asked for.
+    pub fn report(&self) -> GoalReport {
+        let (miss_cm, miss_deg) = miss(&self.goal, self.place);
+        GoalReport { goal: self.goal.id, pose: self.pose, on: self.on.clone(), miss_cm, miss_deg }
+    }
+}
+
+/// From what was asked for to where a body is: centimetres along the floor, degrees.
+fn miss(goal: &SubGoal, (at, facing): (Vec3, f32)) -> (f32, f32) {
+    let turn = goal.facing.map_or(0.0, |asked| turn_between(asked, facing).abs());
+    (100.0 * flat(at - goal.at).length(), turn.to_degrees())
+}
+
+/// The turn from one facing angle to another, radians in (-π, π].
+pub(super) fn turn_between(from: f32, to: f32) -> f32 {
+    std::f32::consts::PI - (from - to + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU)
+}
+
+pub(super) fn flat(v: Vec3) -> Vec2 {
+    Vec2::new(v.x, v.z)
+}
+
+/// Joints of a frame's body, world frame.
+fn figure(body: &Body, betas: &[f32; BETAS], frame: &Frame) -> Vec<Vec3> {
+    FrameJoints::of(&body.model.rest_joints(betas), frame).positions.to_vec()
+}
+
+/// Where a body is and which way it faces: its front, or from pelvis to feet where it lies.
+fn place_of(joints: &[Vec3], frame: &Frame, pose: GoalPose) -> (Vec3, f32) {
+    let direction = match pose {
+        GoalPose::Lie => 0.5 * (joints[j::LEFT_ANKLE] + joints[j::RIGHT_ANKLE]) - joints[j::PELVIS],
+        _ => frame.rotation * Vec3::Z,
+    };
+    (joints[j::PELVIS], facing_of(flat(direction)))
+}
+
+/// A seated body as the planner sees it, its feet on the floor below.
+fn seated(planner: &Planner<'_>, joints: &[Vec3], facing: f32) -> Seated {
+    let foot = |ankle: usize, ball: usize| FootPlace {
+        at: planner.on_floor(flat(joints[ankle])),
+        heading: facing_of(flat(joints[ball] - joints[ankle])),
+    };
+    let feet = [foot(j::LEFT_ANKLE, j::LEFT_FOOT), foot(j::RIGHT_ANKLE, j::RIGHT_FOOT)];
+    Seated { pelvis: joints[j::PELVIS], facing, feet }
+}
+
+/// Finds bodies for the sub-goals of one journey.
+pub(super) struct Resolver<'a> {
+    cast: &'a Cast<'a>,
+    places: Vec<Place>,
+    fitter: Fitter<'a>,
+    seed: Seed,
+}
+
+/// A body at a place with what speaks against it.
+struct Candidate {
+    params: BodyParams,
+    on: String,
+    badness: f32,
+    clean: bool,
+}
+
+impl<'a> Resolver<'a> {
+    pub fn new(cast: &'a Cast<'a>, seed: Seed, ticker: &Ticker) -> Result<Self, Cancelled> {
+        let needs = |g: &SubGoal| !matches!(g.pose, GoalPose::Walk | GoalPose::Stand);
+        let places = if cast.request.goals.iter().any(needs) {
+            // The places of a room don't depend on who asks, so neither does their seed.
+            all_places(cast.room, cast.geometry, Seed::root(0), ticker)?
+        } else {
+            Vec::new()
+        };
+        Ok(Self { cast, places, fitter: Fitter::new(cast.body), seed })
+    }
+
+    /// Every sub-goal that has a place, and why the others have none. `quick` leaves bodies as they were settled.
+    pub fn all(&self, quick: bool, ticker: &Ticker) -> Result<(Vec<Resolved>, Vec<Unreachable>), Cancelled> {
+        let asked: Vec<SubGoal> =
+            self.cast.request.goals.iter().filter(|g| !g.planned || g.locked).cloned().collect();
+        let one = |(index, goal): (usize, &SubGoal)| {
+            let towards = asked.get(index + 1).map(|next| flat(next.at - goal.at));
+            let resolved = self.one(goal, towards, quick, ticker)?;
+            if !quick {
+                ticker.advance()?;
+            }
+            Ok(resolved.map_err(|why| Unreachable { goal: goal.id, why }))
+        };
+        let found: Result<Vec<_>, Cancelled> = asked.par_iter().enumerate().map(one).collect();
+        let (mut resolved, mut unreachable) = (Vec::new(), Vec::new());
+        for result in found? {
+            match result {
+                Ok(goal) => resolved.push(goal),
+                Err(why) => unreachable.push(why),
+            }
+        }
+        Ok((resolved, unreachable))
+    }
+
+    fn one(
+        &self,
+        goal: &SubGoal,
+        towards: Option<Vec2>,
+        quick: bool,
+        ticker: &Ticker,
+    ) -> Result<Result<Resolved, Blocked>, Cancelled> {
+        let pose = self.pose_at(goal);
+        match pose {
+            GoalPose::Walk => Ok(Ok(walks(goal, towards))),
+            GoalPose::Sit | GoalPose::Lie => self.rests(goal, pose, quick, ticker),
+            GoalPose::Any | GoalPose::Stand => Ok(self.stands(goal)),
+        }
+    }
+
+    /// What is done at a sub-goal: for `Any` what the place suits.
+    fn pose_at(&self, goal: &SubGoal) -> GoalPose {
+        if goal.pose != GoalPose::Any {
+            return goal.pose;
+        }
+        let on_floor = goal.at.y < ON_FLOOR_M && self.cast.geometry.floor.is_walkable(flat(goal.at));
+        let near = |p: &&Place| {
+            flat(p.under_pelvis - goal.at).length() < NEAR_M
+                && (p.under_pelvis.y - goal.at.y).abs() < HEIGHT_M
+        };
+        let nearest = |group: &str| {
+            let of_group = self.places.iter().filter(|p| p.family.group() == group).filter(near);
+            of_group.map(|p| flat(p.under_pelvis - goal.at).length()).fold(f32::INFINITY, f32::min)
+        };
+        let is_bed = |p: &Place| {
+            let object = p.support.and_then(|s| self.cast.geometry.supports[s].object);
+            object.and_then(|id| self.cast.room.object(id)).is_some_and(|o| o.category == Category::Bed)
+        };
+        let bed = self.places.iter().filter(near).any(is_bed);
+        match (nearest("sit").is_finite(), nearest("lie").is_finite()) {
+            _ if on_floor => GoalPose::Stand,
+            (_, true) if bed => GoalPose::Lie,
+            (true, _) => GoalPose::Sit,
+            (false, true) => GoalPose::Lie,
+            _ => GoalPose::Stand,
+        }
+    }
+
+    fn stands(&self, goal: &SubGoal) -> Result<Resolved, Blocked> {
+        let planner = Planner::new(self.cast.geometry, PlanConfig::default());
+        let at = planner.on_floor(flat(goal.at));
+        let spot = Spot::open(at);
+        planner.way(&spot, &spot, &[])?;
+        let betas = &self.cast.request.betas;
+        let frame = self.known_body(goal, GoalPose::Stand).unwrap_or_else(|| {
+            let facing = goal.facing.unwrap_or_else(|| self.best_view(at));
+            let feet = gait::natural_feet(self.cast.body, betas, at, facing);
+            gait::standing_frame(self.cast.body, betas, &feet, self.seed.child("goal", goal.id.0.into()))
+        });
+        let joints = figure(self.cast.body, betas, &frame);
+        let place = place_of(&joints, &frame, GoalPose::Stand);
+        let goal = SubGoal { body: Some(frame), ..goal.clone() };
+        let on = "floor".to_owned();
+        Ok(Resolved { goal, pose: GoalPose::Stand, on, family: None, edge: None, seated: None, place })
+    }
+
+    /// The direction with the farthest view: it depends on the place alone, so nothing else changes when the way
+    /// there does.
+    fn best_view(&self, at: Vec3) -> f32 {
+        let view = |k: i32| {
+            let facing = k as f32 / 16.0 * std::f32::consts::TAU;
+            let direction = direction_of(facing);
+            let eyes = at + Vec3::Y * EYES_M.0;
+            let hit = self.cast.geometry.bvh.cast(eyes, Vec3::new(direction.x, 0.0, direction.y), EYES_M.1);
+            (facing, hit.map_or(EYES_M.1, |h| h.distance_m))
+        };
+        let best =
+            (0..16).map(view).fold((0.0, -1.0), |best, next| if next.1 > best.1 { next } else { best });
+        best.0
+    }
+
+    /// A body that is there already and still does what is asked for: the sub-goal's own, or the earlier clip's.
+    fn known_body(&self, goal: &SubGoal, pose: GoalPose) -> Option<Frame> {
+        let request = self.cast.request;
+        let same_person = request.kept.as_ref().is_none_or(|clip| clip.betas == request.betas);
+        let fits = |frame: &Frame| {
+            let place = place_of(&figure(self.cast.body, &request.betas, frame), frame, pose);
+            let (cm, deg) = miss(goal, place);
+            cm <= super::GOAL_CM && deg <= super::GOAL_DEG
+        };
+        goal.body.clone().filter(|frame| goal.locked || (same_person && fits(frame)))
+    }
+
+    /// Sits or lies.
+    fn rests(
+        &self,
+        goal: &SubGoal,
+        pose: GoalPose,
+        quick: bool,
+        ticker: &Ticker,
+    ) -> Result<Result<Resolved, Blocked>, Cancelled> {
+        let lies = pose == GoalPose::Lie;
+        let near = self.near_places(goal, if lies { "lie" } else { "sit" });
+        let Some(first) = near.first() else {
+            let wanted = if lies { "lie" } else { "sit" };
+            return Ok(Err(Blocked::NoPlace { at: goal.at, wanted }));
+        };
+        let support = first.support;
+        let seed = self.seed.child("goal", goal.id.0.into());
+        let (frame, on) = match self.known_body(goal, pose) {
+            Some(frame) => (frame, first.on.clone()),
+            None => {
+                let found = self.body_at(goal, &near, seed, quick, ticker)?;
+                (self.frame(&found.params), found.on)
+            }
+        };
+        let planner = Planner::new(self.cast.geometry, PlanConfig::default());
+        let joints = figure(self.cast.body, &self.cast.request.betas, &frame);
+        let place = place_of(&joints, &frame, pose);
+        let (edge, sits) = if lies {
+            match self.edge(goal, support, place.0, quick, ticker)? {
+                Some((edge, sits)) => (Some(edge), sits),
+                None => (None, seated(&planner, &joints, place.1)),
+            }
+        } else {
+            (None, seated(&planner, &joints, place.1))
+        };
+        let family = if lies { lying_family(&frame) } else { self.seat_family(first) };
+        let goal = SubGoal { body: Some(frame), ..goal.clone() };
+        Ok(Ok(Resolved { goal, pose, on, family: Some(family), edge, seated: Some(sits), place }))
+    }
+
+    /// How one sits at a place, told from its seat, so that it does not depend on who asks.
+    fn seat_family(&self, place: &Place) -> PoseFamily {
+        let surface = place.support.and_then(|index| self.cast.geometry.supports.get(index));
+        match (place.family, surface) {
+            (PoseFamily::SitStraight, _) | (_, None) => place.family,
+            (_, Some(surface)) => seat_family(self.cast.room, surface),
+        }
+    }
+
+    fn frame(&self, params: &BodyParams) -> Frame {
+        Frame::of(params, &self.cast.body.pose_space.decode(&params.pose))
+    }
+
+    /// Places that a sub-goal may mean, the likeliest first: the very point on its seat, then the room's own.
+    fn near_places(&self, goal: &SubGoal, group: &str) -> Vec<Place> {
+        let facing = |p: &Place| match group {
+            // Places of lying people tell where the head is, sub-goals where the feet are.
+            "lie" => facing_of(-p.facing),
+            _ => facing_of(p.facing),
+        };
+        let cost = |p: &Place| {
+            let turn = goal.facing.map_or(0.0, |asked| turn_between(asked, facing(p)).abs());
+            let otherwise = match p.family {
+                PoseFamily::LieDown | PoseFamily::LieSide => LIES_OTHERWISE_M,
+                PoseFamily::SitStraight => 2.0 * LIES_OTHERWISE_M,
+                _ => 0.0,
+            };
+            let asked_less = 0.3 * (1.0 - p.weight.min(1.0));
+            flat(p.under_pelvis - goal.at).length()
+                + HALF_TURN_M * turn / std::f32::consts::PI
+                + otherwise
+                + asked_less
+        };
+        let near = |p: &&Place| {
+            p.family.group() == group
+                && flat(p.under_pelvis - goal.at).length() < NEAR_M
+                && (p.under_pelvis.y - goal.at.y).abs() < HEIGHT_M
+        };
+        let mut found: Vec<Place> = self.places.iter().filter(near).cloned().collect();
+        found.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        found.dedup_by(|b, a| a.family == b.family && a.under_pelvis.distance(b.under_pelvis) < 0.08);
+        found.truncate(TRIES.0);
+        if let Some(best) = found.first() {
+            let mut exact = best.clone();
+            let turned = goal.facing.is_some_and(|asked| turn_between(asked, facing(best)).abs() > TURNED);
+            if flat(best.under_pelvis - goal.at).length() < SAME_SEAT_M && !turned {
+                exact.under_pelvis = Vec3::new(goal.at.x, best.under_pelvis.y, goal.at.z);
+                if let Some(asked) = goal.facing {
+                    exact.facing = if group == "lie" { -direction_of(asked) } else { direction_of(asked) };
+                }
+                found.insert(0, exact);
+            }
+        }
+        found
+    }
+
+    /// The first body without findings that meets the sub-goal, else the best of all.
+    fn body_at(
+        &self,
+        goal: &SubGoal,
+        places: &[Place],
+        seed: Seed,
+        quick: bool,
+        ticker: &Ticker,
+    ) -> Result<Candidate, Cancelled> {
+        let mut best: Option<Candidate> = None;
+        for (number, place) in places.iter().enumerate() {
+            for attempt in 0..TRIES.1 {
+                ticker.check()?;
+                let seed = seed.child("place", number as u64).child("try", attempt);
+                let found = self.candidate(goal, place, number == 0, seed, quick, ticker)?;
+                let clean = found.clean;
+                if best.as_ref().is_none_or(|b| found.badness < b.badness) {
+                    best = Some(found);
+                }
+                if clean || quick {
+                    break;
+                }
+            }
+            if quick || best.as_ref().is_some_and(|b| b.clean) {
+                break;
+            }
+        }
+        best.map_or_else(|| Err(Cancelled), Ok)
+    }
+
+    fn candidate(
+        &self,
+        goal: &SubGoal,
+        place: &Place,
+        exactly: bool,
+        seed: Seed,
+        quick: bool,
+        ticker: &Ticker,
+    ) -> Result<Candidate, Cancelled> {
+        let (body, geometry) = (self.cast.body, self.cast.geometry);
+        let proposal = settle_person(body, geometry, place, &self.cast.request.betas, exactly, seed);
+        let on = proposal.on;
+        if quick {
+            return Ok(Candidate { params: proposal.params, on, badness: 0.0, clean: true });
+        }
+        let around = Surroundings::new(geometry, Aabb::of(body.pose(&proposal.params).vertices));
+        let config = held_config();
+        let quiet = ticker.without_progress();
+        let fitted =
+            self.fitter.fit(&around, &proposal.params, proposal.family, &config, &quiet, &mut |_| ())?;
+        let metrics = inspect_body(geometry, body, &fitted.params).metrics;
+        let findings = Limits::default().findings(Site { body: 0, frame: None }, &metrics);
+        let pose = if place.family.group() == "lie" { GoalPose::Lie } else { GoalPose::Sit };
+        let frame = self.frame(&fitted.params);
+        let joints = figure(body, &self.cast.request.betas, &frame);
+        let (cm, deg) = miss(goal, place_of(&joints, &frame, pose));
+        let met = cm <= super::GOAL_CM && deg <= super::GOAL_DEG;
+        let faults: f32 = findings.iter().map(Finding::severity).sum();
+        let badness = faults + cm / MISS.0 + deg / MISS.1;
+        Ok(Candidate { params: fitted.params, on, badness, clean: findings.is_empty() && met })
+    }
+
+    /// The body that sits on the edge of the bed `support` nearest to a lying person's pelvis, where there is floor to
+    /// get up to.
+    fn edge(
+        &self,
+        goal: &SubGoal,
+        support: Option<usize>,
+        pelvis: Vec3,
+        quick: bool,
+        ticker: &Ticker,
+    ) -> Result<Option<(Frame, Seated)>, Cancelled> {
+        let floor = &self.cast.geometry.floor;
+        let feet = |p: &Place| flat(p.under_pelvis) + p.facing * GOT_UP_M;
+        let usable = |p: &&Place| {
+            p.support == support
+                && support.is_some()
+                && p.family.group() == "sit"
+                && p.family != PoseFamily::SitStraight
+                && floor.clearance_at(feet(p)) > GET_UP_M
+        };
+        let mut places: Vec<Place> = self.places.iter().filter(usable).cloned().collect();
+        let away = |p: &Place| flat(p.under_pelvis - pelvis).length();
+        places.sort_by(|a, b| away(a).total_cmp(&away(b)));
+        places.truncate(TRIES.0);
+        let Some(first) = places.first() else { return Ok(None) };
+        let at =
+            SubGoal { at: first.under_pelvis, facing: None, pose: GoalPose::Sit, body: None, ..goal.clone() };
+        let seed = self.seed.child("edge", goal.id.0.into());
+        let found = self.body_at(&at, &places, seed, quick, ticker)?;
+        let frame = self.frame(&found.params);
+        let joints = figure(self.cast.body, &self.cast.request.betas, &frame);
+        let planner = Planner::new(self.cast.geometry, PlanConfig::default());
+        let facing = place_of(&joints, &frame, GoalPose::Sit).1;
+        Ok(Some((frame, seated(&planner, &joints, facing))))
+    }
+}
+
+/// Our fit, held to where the body was asked to be.
+fn held_config() -> FitConfig {
+    let mut config = FitConfig::default();
+    if let Objective::Rescue(weights) = &mut config.objective {
+        weights.place = PLACE;
+    }
+    config
+}
+
+/// On which side somebody lies: on the back when the front is up.
+fn lying_family(frame: &Frame) -> PoseFamily {
+    match (frame.rotation * Vec3::Z).y {
+        up if up > 0.5 => PoseFamily::LieUp,
+        up if up < -0.5 => PoseFamily::LieDown,
+        _ => PoseFamily::LieSide,
+    }
+}
+
+/// Walked through, towards the next sub-goal where nobody says otherwise.
+fn walks(goal: &SubGoal, towards: Option<Vec2>) -> Resolved {
+    let heading = goal.facing.or(towards.filter(|d| d.length() > 0.01).map(facing_of)).unwrap_or(0.0);
+    Resolved {
+        goal: SubGoal { facing: Some(heading), body: None, ..goal.clone() },
+        pose: GoalPose::Walk,
+        on: "floor".to_owned(),
+        family: None,
+        edge: None,
+        seated: None,
+        place: (goal.at, heading),
+    }
+}

@@ -1,0 +1,243 @@
+//! A tour of a room for who has no sub-goals yet: from the door to a desk chair, a sofa, a window, the bed and back to
+//! the door, whatever of it the room has and can be reached.
+
+use std::f32::consts::FRAC_PI_2;
+
+use glam::Vec3;
+
+use super::resolve::flat;
+use crate::generate::{Place, all_places};
+use crate::job::{Cancelled, Seed, Ticker};
+use crate::motion::leg::FootPlace;
+use crate::motion::plan::{PlanConfig, Planner, Seated, Spot, Stance, stances};
+use crate::scene::{Category, GoalPose, PoseFamily, Room, RoomGeometry, SubGoal, SubGoalId, facing_of};
+
+/// Somebody who stands somewhere without a reason has this much room, metres.
+const ROOM_M: f32 = 0.32;
+/// A thing is looked at from at most this far, metres.
+const LOOK_M: f32 = 1.6;
+/// Sitting down and getting up, and lying down besides, take about so long, seconds.
+const SIT_S: f32 = 5.5;
+const LIE_S: f32 = 9.0;
+/// Walking speed with starts, turns and stops, metres per second.
+const SPEED_M_PER_S: f32 = 0.6;
+/// Nobody stays shorter than this on a seat, seconds, nor stands longer than that.
+const LEAST_STAY_S: f32 = 2.0;
+const STANDING_S: f32 = 2.5;
+/// Places of a kind that are tried before the tour goes on without.
+const TRIES: usize = 24;
+/// Farther than this from a border nobody cares how far, metres.
+const INSIDE_M: f32 = 0.4;
+/// From below the pelvis of a seated person to between the feet, metres, and the pelvis over the seat.
+const SHINS_M: (f32, f32) = (0.42, 0.09);
+
+/// One stop of a tour.
+struct Visit {
+    at: Vec3,
+    facing: f32,
+    pose: GoalPose,
+    /// Where one stands there or before it.
+    spot: Spot,
+    support: Option<usize>,
+}
+
+struct Guide<'a> {
+    room: &'a Room,
+    geometry: &'a RoomGeometry,
+    planner: Planner<'a>,
+    places: Vec<Place>,
+}
+
+/// Sub-goals of a tour that takes about `seconds`; fewer than two where nobody can walk.
+///
+/// # Errors
+/// [`Cancelled`] once the user cancelled.
+pub fn tour(
+    room: &Room,
+    geometry: &RoomGeometry,
+    seconds: f32,
+    ticker: &Ticker,
+) -> Result<Vec<SubGoal>, Cancelled> {
+    let places = all_places(room, geometry, Seed::root(0), ticker)?;
+    let guide = Guide { room, geometry, planner: Planner::new(geometry, PlanConfig::default()), places };
+    let Some(door) = guide.door() else { return Ok(Vec::new()) };
+    let from = door.spot;
+    let chair =
+        guide.seat(&from, None, |p| p.family == PoseFamily::SitChair && p.hints.table_height_m.is_some());
+    let chair = chair.or_else(|| guide.seat(&from, None, |p| p.family == PoseFamily::SitChair));
+    ticker.check()?;
+    let taken = chair.as_ref().and_then(|c| c.support);
+    let sofa = guide.seat(&from, taken, |p| p.family == PoseFamily::SitSofa);
+    let soft =
+        |p: &Place| matches!(p.family, PoseFamily::SitChair | PoseFamily::SitStool | PoseFamily::SitEdge);
+    let sofa = sofa.or_else(|| guide.seat(&from, taken, soft));
+    ticker.check()?;
+    let view = guide.view(&from, &[Category::Window, Category::Picture, Category::Shelving]);
+    let bed = guide.bed(&from);
+    let back = Visit { facing: door.facing + 2.0 * FRAC_PI_2, ..guide.copy(&door) };
+    let visits: Vec<Visit> = [Some(door), chair, sofa, view, bed, Some(back)].into_iter().flatten().collect();
+    Ok(guide.timed(&visits, seconds))
+}
+
+impl Guide<'_> {
+    fn copy(&self, visit: &Visit) -> Visit {
+        Visit { spot: visit.spot, ..*visit }
+    }
+
+    /// Inside the door, facing the room; the edge of the floor where there is none.
+    fn door(&self) -> Option<Visit> {
+        let middle = flat(self.geometry.bounds.center());
+        let doors = self.room.objects.iter().filter(|o| o.category == Category::Door && o.visible);
+        let at = doors.map(|o| flat(o.world_bounds().center())).next();
+        let floor = &self.geometry.floor;
+        let free = floor.largest_area().filter(|&cell| floor.clearance_m[cell] >= ROOM_M);
+        let far = |cell: usize| match at {
+            Some(door) => flat(floor.position(cell)).distance(door),
+            None => -flat(floor.position(cell)).distance(middle),
+        };
+        let cell = free.min_by(|&a, &b| far(a).total_cmp(&far(b)))?;
+        let at = floor.position(cell);
+        let facing = facing_of(middle - flat(at));
+        Some(Visit { at, facing, pose: GoalPose::Stand, spot: Spot::open(at), support: None })
+    }
+
+    /// The most inviting seat of a kind that can be reached.
+    fn seat(&self, from: &Spot, except: Option<usize>, kind: impl Fn(&Place) -> bool) -> Option<Visit> {
+        let other = |p: &&Place| {
+            let object = |s: Option<usize>| s.and_then(|s| self.geometry.supports[s].object);
+            p.family.group() == "sit" && (except.is_none() || object(p.support) != object(except))
+        };
+        let mut found: Vec<&Place> = self.places.iter().filter(other).filter(|p| kind(p)).collect();
+        let rank = |p: &Place| p.weight + self.between_m(p);
+        found.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
+        spread(&mut found);
+        found.into_iter().take(TRIES).find_map(|place| {
+            let stance = self.stance(place, from)?;
+            Some(self.visit(place, GoalPose::Sit, facing_of(place.facing), stance.spot()))
+        })
+    }
+
+    /// How far a place is from the border of what it is on, at most [`INSIDE_M`], metres.
+    fn inside_m(&self, place: &Place) -> f32 {
+        let surface = place.support.and_then(|index| self.geometry.supports.get(index));
+        let edges = surface.into_iter().flat_map(|s| &s.edges);
+        edges.map(|e| flat(e.position - place.under_pelvis).length()).fold(INSIDE_M, f32::min)
+    }
+
+    /// How much seat there is at both sides of a place, at most [`INSIDE_M`], metres.
+    fn between_m(&self, place: &Place) -> f32 {
+        let Some(surface) = place.support.and_then(|index| self.geometry.supports.get(index)) else {
+            return 0.0;
+        };
+        let aside = place.facing.perp();
+        let reach = |sign: f32| {
+            let along = surface.cells.iter().map(|c| flat(c.position - place.under_pelvis));
+            let row = along.filter(|d| d.dot(place.facing).abs() < surface.cell_m);
+            row.map(|d| sign * d.dot(aside)).fold(0.0, f32::max)
+        };
+        reach(1.0).min(reach(-1.0)).min(INSIDE_M)
+    }
+
+    fn visit(&self, place: &Place, pose: GoalPose, facing: f32, spot: Spot) -> Visit {
+        Visit { at: place.under_pelvis, facing, pose, spot, support: place.support }
+    }
+
+    /// Where one stands before a seat, if one can get there.
+    fn stance(&self, place: &Place, from: &Spot) -> Option<Stance> {
+        let feet = flat(place.under_pelvis) + place.facing * SHINS_M.0;
+        let foot = FootPlace { at: self.planner.on_floor(feet), heading: facing_of(place.facing) };
+        let seated = Seated {
+            pelvis: place.under_pelvis + Vec3::Y * SHINS_M.1,
+            facing: facing_of(place.facing),
+            feet: [foot, foot],
+        };
+        let reached = |s: &Stance| self.planner.way(from, &s.spot(), &[]).is_ok();
+        stances(&self.planner, &seated).into_iter().find(reached)
+    }
+
+    /// The best place to lie on the back where one can sit on the edge first: a bed, else whatever is long enough.
+    fn bed(&self, from: &Spot) -> Option<Visit> {
+        let category = |p: &Place| {
+            let object = p.support.and_then(|s| self.geometry.supports[s].object);
+            object.and_then(|id| self.room.object(id)).map(|o| o.category)
+        };
+        let mut found: Vec<&Place> = self.places.iter().filter(|p| p.family == PoseFamily::LieUp).collect();
+        let rank = |p: &Place| {
+            let bed = category(p) == Some(Category::Bed);
+            p.weight + self.inside_m(p) + if bed { 2.0 } else { 0.0 }
+        };
+        found.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
+        spread(&mut found);
+        found.into_iter().take(TRIES).find_map(|lie| {
+            let edges = self.places.iter().filter(|p| {
+                p.support == lie.support && p.family.group() == "sit" && p.family != PoseFamily::SitStraight
+            });
+            let near = |p: &Place| p.under_pelvis.distance(lie.under_pelvis);
+            let mut edges: Vec<&Place> = edges.collect();
+            edges.sort_by(|a, b| near(a).total_cmp(&near(b)));
+            spread(&mut edges);
+            let stance = edges.into_iter().take(4).find_map(|edge| self.stance(edge, from))?;
+            Some(self.visit(lie, GoalPose::Lie, facing_of(-lie.facing), stance.spot()))
+        })
+    }
+
+    /// Somewhere to stand and look at something on a wall.
+    fn view(&self, from: &Spot, of: &[Category]) -> Option<Visit> {
+        let floor = &self.geometry.floor;
+        let things = self.room.objects.iter().filter(|o| of.contains(&o.category) && o.visible);
+        things.filter(|o| o.world_bounds().max.y > 1.2).find_map(|object| {
+            let thing = flat(object.world_bounds().center());
+            let near = |cell: usize| flat(floor.position(cell)).distance(thing);
+            let free = floor.largest_area().filter(|&c| floor.clearance_m[c] >= ROOM_M && near(c) < LOOK_M);
+            let cell = free.min_by(|&a, &b| near(a).total_cmp(&near(b)))?;
+            let at = floor.position(cell);
+            let spot = Spot::open(at);
+            self.planner.way(from, &spot, &[]).ok()?;
+            let facing = facing_of(thing - flat(at));
+            Some(Visit { at, facing, pose: GoalPose::Stand, spot, support: None })
+        })
+    }
+
+    /// The visits as sub-goals, stays chosen so that the whole takes about `seconds`.
+    fn timed(&self, visits: &[Visit], seconds: f32) -> Vec<SubGoal> {
+        let way = |pair: &[Visit]| {
+            let way = self.planner.way(&pair[0].spot, &pair[1].spot, &[]);
+            way.map_or(0.0, |w| w.length_m()) / SPEED_M_PER_S
+        };
+        let doing = |v: &Visit| match v.pose {
+            GoalPose::Sit => SIT_S,
+            GoalPose::Lie => SIT_S + LIE_S,
+            _ => 1.0,
+        };
+        // What is left of the time is spent on seats and beds.
+        let rests = visits.iter().filter(|v| v.pose != GoalPose::Stand).count();
+        let stands = (visits.len() - rests) as f32 * STANDING_S;
+        let moving: f32 = visits.windows(2).map(way).sum::<f32>() + visits.iter().map(doing).sum::<f32>();
+        let stay_s = ((seconds - moving - stands) / rests.max(1) as f32).max(LEAST_STAY_S);
+        let goal = |(index, v): (usize, &Visit)| SubGoal {
+            id: SubGoalId(index as u32),
+            at: v.at,
+            facing: Some(v.facing),
+            pose: v.pose,
+            stay_s: if v.pose == GoalPose::Stand { STANDING_S } else { stay_s },
+            planned: false,
+            locked: false,
+            body: None,
+        };
+        visits.iter().enumerate().map(goal).collect()
+    }
+}
+
+/// Leaves one of places that are nearly the same.
+fn spread(places: &mut Vec<&Place>) {
+    let mut kept: Vec<&Place> = Vec::new();
+    for place in places.iter() {
+        let same = |k: &&Place| {
+            k.under_pelvis.distance(place.under_pelvis) < 0.12 && k.facing.dot(place.facing) > 0.7
+        };
+        if !kept.iter().any(same) {
+            kept.push(place);
+        }
+    }
+    *places = kept;
+}
