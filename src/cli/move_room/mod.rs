@@ -11,6 +11,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use self::report::{ClipRow, MoveReport, MoveSeconds};
+use super::clips::read_clips;
 use super::load::{self, Loaded};
 use super::output::OutputFolder;
 use super::progress::run_job;
@@ -19,7 +20,8 @@ use crate::assets;
 use crate::body::{self, Body};
 use crate::document::{Project, save_project};
 use crate::evolve::journey::{Journey, JourneyPreview, JourneyRequest, MotionMethod, journey, tour};
-use crate::job::{JobCtx, Seed, Stop};
+use crate::job::{JobCtx, Seed, Stop, Ticker};
+use crate::motion::retrieval::MotionMemory;
 use crate::render::{BodySurface, clips_glb};
 use crate::scene::{Clip, ClipId, GoalPose, Room, RoomGeometry, Scene, SubGoal};
 
@@ -45,6 +47,9 @@ pub struct MoveArguments {
     /// Who makes the motion.
     #[arg(long, value_enum, default_value_t = MoveMethod::Gait)]
     pub method: MoveMethod,
+    /// Folder of motion clips to look legs up in, for `--method retrieval`.
+    #[arg(long, value_name = "DIR", required_if_eq("method", "retrieval"))]
+    pub clips: Option<PathBuf>,
     /// Leave the motion as it was made, without fitting it to the room.
     #[arg(long)]
     pub no_optimise: bool,
@@ -138,6 +143,7 @@ fn compute(
     let first_id = before.iter().map(|c| c.id.0 + 1).max().unwrap_or(0);
     let request = JourneyRequest {
         method: arguments.method.into(),
+        memory: memory(arguments)?,
         optimise: !arguments.no_optimise,
         ..JourneyRequest::default()
     };
@@ -169,6 +175,13 @@ fn compute(
         Ok(Computed { geometry, journeys, field_seconds, move_seconds })
     };
     run_job("move", Seed::root(arguments.common.seed), arguments.common.quiet, work)
+}
+
+/// The clips that legs are looked up in, where the method does that.
+fn memory(arguments: &MoveArguments) -> anyhow::Result<Option<Arc<MotionMemory>>> {
+    let (MoveMethod::Retrieval, Some(folder)) = (arguments.method, &arguments.clips) else { return Ok(None) };
+    let memory = MotionMemory::new(&read_clips(folder)?, Body::bundled(), &Ticker::silent());
+    Ok(memory.ok().map(Arc::new))
 }
 
 /// The same job's context for one person, whose previews nobody reads.

@@ -5,6 +5,7 @@
 //! its frames are taken from there byte by byte. The same request and seed give the same bytes for any number of
 //! threads. May not name the document or a front end; says what it could not do instead of doing something else.
 
+mod by_memory;
 mod legs;
 mod others;
 mod resolve;
@@ -26,6 +27,7 @@ use crate::inspect::{MotionReport, inspect_motion};
 use crate::job::{Cancelled, JobCtx, Stop, Ticker};
 use crate::motion::gait;
 use crate::motion::plan::{Blocked, PlanConfig, Planner, Route, Unreachable, route};
+use crate::motion::retrieval::MotionMemory;
 use crate::scene::{BETAS, Clip, ClipId, GoalPose, Room, RoomGeometry, SubGoal, SubGoalId};
 
 pub use self::others::Meeting;
@@ -77,6 +79,8 @@ pub struct JourneyRequest {
     pub goals: Vec<SubGoal>,
     /// Who makes the legs.
     pub method: MotionMethod,
+    /// Clips to look legs up in, for [`MotionMethod::Retrieval`].
+    pub memory: Option<Arc<MotionMemory>>,
     /// What walking people are held to.
     pub plan: PlanConfig,
     /// Whether the legs are fitted to the room; without, they are as they were made.
@@ -96,6 +100,7 @@ impl Default for JourneyRequest {
             betas: [0.0; BETAS],
             goals: Vec::new(),
             method: MotionMethod::Gait,
+            memory: None,
             plan: PlanConfig::default(),
             optimise: true,
             kept: None,
