@@ -115,9 +115,8 @@ mod tests {
     #[test]
     fn a_standing_body_treads_on_heel_ball_and_toes_at_one_height() {
         let body = Body::bundled();
-        let posed = body.pose(&BodyParams::default());
-        let lowest = posed.vertices.iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
         let posed = body.pose_axis_angles(&BodyParams::default(), &[Vec3::ZERO; joints::BODY_JOINTS]);
+        let lowest = posed.vertices.iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
         for foot in Feet::of(body, &[0.0; BETAS]).positions(&posed.joints, &posed.rotations) {
             let [heel, ball, toe] = foot;
             assert!(heel.z + 0.1 < ball.z && ball.z + 0.03 < toe.z, "{foot:?}");

@@ -225,7 +225,9 @@ mod tests {
         assert!(again.positions[LEFT_ANKLE].distance(target) < 1e-4);
         assert!(again.rotations[LEFT_ANKLE].angle_between(foot) < 2e-3);
         let knee = figure.local(LEFT_KNEE);
-        assert!(knee.x > 0.5 && knee.y.abs() < 0.05 && knee.z.abs() < 0.05, "{knee} is not a hinge's bend");
+        // The bones at rest are not quite in one line, so that a hinge's bend shows a little on the other axes.
+        let off = knee.y.abs().max(knee.z.abs());
+        assert!(knee.x > 0.5 && off < 0.15 * knee.x, "{knee} is not a hinge's bend");
         let forward = again.pole(&Limb::LEGS[0]).expect("a bent knee");
         assert!(forward.z > 0.5, "{forward}");
         assert!(again.positions[LEFT_FOOT].distance(target) < 0.2);
@@ -238,6 +240,7 @@ mod tests {
         let target = rest[LEFT_HIP] + Vec3::NEG_Y * 2.0;
         let missing = figure.reach(&rest, &Limb::LEGS[0], target, Quat::IDENTITY, Vec3::Z);
         assert!((figure.positions[LEFT_ANKLE].distance(target) - missing).abs() < 1e-3);
-        assert!(figure.local(LEFT_KNEE).x > -1e-3, "a straight knee does not bend back");
+        // The rest pose has its knees bent by 6.6 degrees: less than that is straight.
+        assert!(figure.local(LEFT_KNEE).x.abs() < 0.13, "a straight knee does not bend back");
     }
 }

@@ -236,6 +236,19 @@ impl VonMisesMixture {
         best
     }
 
+    /// This mixture with a `share` of the weight and another with the rest; the heaviest `most` components stay.
+    #[must_use]
+    pub fn mixed(&self, other: &Self, share: f64, most: usize) -> Self {
+        let own = self.components.iter().map(|(w, part)| (w * share, *part));
+        let others = other.components.iter().map(|(w, part)| (w * (1.0 - share), *part));
+        let mut components: Vec<(f64, VonMises)> = own.chain(others).filter(|(w, _)| *w > 0.0).collect();
+        components.sort_by(|a, b| b.0.total_cmp(&a.0));
+        components.truncate(most.max(1));
+        let total: f64 = components.iter().map(|(w, _)| w).sum();
+        components.iter_mut().for_each(|(w, _)| *w /= total);
+        Self { components }
+    }
+
     /// Free numbers: mean, κ and weight of each component, less one since weights sum to one.
     pub fn parameters(&self) -> usize {
         (3 * self.components.len()).saturating_sub(1)
@@ -454,6 +467,15 @@ mod tests {
         assert!(ones.count() >= 18);
         let ties = VonMisesMixture::fit(&[vec![0.5; 20], vec![2.5; 20]].concat(), &strict, 1);
         assert!(ties.components.len() == 2 && ties.components.iter().all(|c| c.1.kappa <= 50.0), "{ties:?}");
+    }
+
+    #[test]
+    fn two_mixtures_mix_by_their_shares_and_the_lightest_part_goes() {
+        let (a, b) = (of(&[(1.0, 1.0, 4.0)]), of(&[(0.9, 2.0, 2.0), (0.1, -1.0, 2.0)]));
+        let mixed = a.mixed(&b, 0.4, 2);
+        let weights: Vec<f64> = mixed.components.iter().map(|c| c.0).collect();
+        assert!((weights[0] - 0.54 / 0.94).abs() < 1e-12 && (weights[1] - 0.4 / 0.94).abs() < 1e-12);
+        assert_eq!(a.mixed(&b, 1.0, 4), a);
     }
 
     #[test]

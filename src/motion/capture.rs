@@ -27,6 +27,9 @@ const FLIGHT_S: f32 = 0.9;
 const ALOFT_M: f32 = 0.12;
 /// Nobody moves faster indoors, metres a second: frames before such a leap are a capture's calibration.
 const LEAP_M_PER_S: f32 = 12.0;
+/// The same for a joint's turn, radians a second; an axis-angle that differs by more than [`FLIP`] has only changed sign.
+const LEAP_PER_S: f32 = 40.0;
+const FLIP: f32 = 4.0;
 /// Frames at a capture's begin that may be such.
 const CALIBRATION: usize = 12;
 /// Whose joints turn slower than this on average and whose pelvis moves slower than a tenth of it in metres is at rest,
@@ -114,8 +117,10 @@ pub fn mirror_frame(frame: &Frame, rest_pelvis: Vec3) -> Frame {
 /// The clip's frames at 30 a second, as they were captured.
 fn at_thirty(clip: &PoseClip, body: &Body) -> Vec<Frame> {
     let leaps = |f: &usize| {
-        let next = clip.pelvis_m[(f + 1).min(clip.pelvis_m.len() - 1)];
-        clip.pelvis_m[*f].distance(next) > LEAP_M_PER_S * clip.frame_seconds
+        let next = (f + 1).min(clip.frames.len() - 1);
+        let turned = |j: usize| (clip.frames[*f][j] - clip.frames[next][j]).length();
+        clip.pelvis_m[*f].distance(clip.pelvis_m[next]) > LEAP_M_PER_S * clip.frame_seconds
+            || (0..=FRAME_JOINTS).any(|j| (LEAP_PER_S * clip.frame_seconds..FLIP).contains(&turned(j)))
     };
     let begin = (0..clip.frames.len().min(CALIBRATION)).filter(leaps).map(|f| f + 1).max().unwrap_or(0);
     let captured: Vec<usize> = (begin..clip.frames.len())

@@ -67,11 +67,13 @@ fn head(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
             RichText::new(format!("Sample {}", state.living.count)).size(14.0).color(palette.on_accent);
         let button = Button::new(text).fill(palette.accent);
         let tip = "Lets the chain of actions run: each is drawn by what follows what in the photos";
-        if ui.add_sized([120.0, 30.0], button).on_hover_text(tip).clicked() {
+        let sample = ui.add_sized([120.0, 30.0], button).on_hover_text(tip);
+        ui.add(Slider::new(&mut state.living.count, 1..=30).show_value(false))
+            .labelled_by(sample.id)
+            .on_hover_text("How many actions");
+        if sample.clicked() {
             state.start_chain();
         }
-        ui.add(Slider::new(&mut state.living.count, 1..=30).show_value(false))
-            .on_hover_text("How many actions");
         let rolls = state.living.tree.get(now.unwrap_or(0)).is_some_and(|node| node.step.is_some());
         let re_roll = ui.add_enabled(rolls, Button::new("Re-roll"));
         if re_roll.on_hover_text("The last action again, with another outcome: a branch beside it").clicked()

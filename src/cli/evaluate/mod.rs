@@ -2,6 +2,7 @@
 
 mod charts;
 mod estimation;
+mod motion;
 mod pose_prior;
 mod psi;
 mod refine;
@@ -22,6 +23,8 @@ pub enum Evaluate {
     /// The paper's Tables 1, 2 and 3: reconstruction, diversity and physical plausibility of the networks, the search
     /// and chance, before and after fitting.
     Psi(psi::PsiArguments),
+    /// Long-term motion: LTM's Tables 1, 2 and 4 on held-out clips in staged rooms, and feet, depth and joins.
+    Motion(motion::MotionArguments),
 }
 
 /// Runs the command.
@@ -34,5 +37,6 @@ pub fn run(subject: &Evaluate) -> anyhow::Result<Ended> {
         Evaluate::Refine(arguments) => refine::run(arguments),
         Evaluate::PosePrior(arguments) => pose_prior::run(arguments),
         Evaluate::Psi(arguments) => psi::run(arguments),
+        Evaluate::Motion(arguments) => motion::run(arguments),
     }
 }

@@ -59,7 +59,7 @@ fn graph(model: &ActionModel) -> Result<Picture, PlotError> {
         probability: model.graph().probability,
         successors: 5,
     };
-    network_chart(&chart, [1400, 900])
+    network_chart(&chart, [1560, 920])
 }
 
 fn likelihood(report: &ActionReport) -> BarChart {

@@ -10,7 +10,10 @@ use super::{Cast, JourneyPreview, MotionMethod, Stage, by_memory};
 use crate::fit::sequence::{SequenceConfig, SequenceFitter, SequenceTask};
 use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::motion::gait;
+use crate::motion::learned::LearnedMotion;
 use crate::motion::leg::LegMotion;
+use crate::motion::networks;
+use crate::motion::subgoal::SubGoalBodies;
 use crate::scene::{Clip, Leg, PoseFamily, SubGoalId};
 
 /// Frames at both ends of a leg that stay as they were made: two hold the place and the speed.
@@ -121,6 +124,15 @@ fn make(cast: &Cast<'_>, job: &Job, ticker: &Ticker) -> Result<LegMotion, Stop> 
             Ok(gait::idle(cast.body, &cast.request.betas, still, *seconds, *seed))
         }
         (Task::Move(input), MotionMethod::Gait) => Ok(gait::synthesise_leg(cast.body, input, ticker)?),
+        (Task::Move(input), MotionMethod::Learned) => {
+            let points = networks::points_of(cast.geometry);
+            Ok(networks::learned_leg(LearnedMotion::bundled()?, cast.body, &points, input, ticker)?)
+        }
+        (Task::Move(input), MotionMethod::RouteCvae) => {
+            let points = networks::points_of(cast.geometry);
+            let (nets, bodies) = (LearnedMotion::bundled()?, SubGoalBodies::bundled()?);
+            Ok(networks::route_cvae_leg(nets, &bodies, cast.body, &points, input, ticker)?)
+        }
         (Task::Move(_), method) => {
             Err(Stop::Failed(format!("the method `{}` is not there yet: use `gait`", method.label())))
         }

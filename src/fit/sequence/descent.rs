@@ -78,6 +78,8 @@ pub struct Window<'a> {
     pub first: usize,
     /// Which must not move.
     pub held: &'a [bool],
+    /// Whether it goes on from a window before, whose changes end in the middle of this one.
+    pub joins: bool,
 }
 
 /// What is posed and where.
@@ -111,6 +113,9 @@ impl Subject<'_> {
             frames.iter().zip(&from).flat_map(|(frame, from)| variables::numbers_of(frame, *from)).collect()
         };
         let (mut x, input) = (numbers(window.frames), numbers(window.input));
+        if window.joins {
+            join_on(&mut x, &input, window.held);
+        }
         let mut states: Vec<FrameState> = (0..from.len()).map(|_| FrameState::default()).collect();
         let mut steps = Steps::new(stage, window.held);
         let mut result = Ok(());
@@ -226,6 +231,40 @@ impl Scratch {
     fn clear(&mut self) {
         self.energy.clear();
         self.direct = [0.0; NUMBERS];
+    }
+}
+
+/// Changes of a window before fade out within this many frames beyond what is held.
+const JOIN_FRAMES: usize = 40;
+/// What the window before left beyond that is smoothed to waves of some twenty frames.
+const JOIN_SMOOTHING: f32 = 150.0;
+
+/// Makes the start of a window continuous: frames that the window before did not reach came in unchanged, a step that
+/// smoothed gradients would never take away. The change goes on from the last held frame with its speed and fades out;
+/// what the window before found beyond is kept smoothly.
+fn join_on(x: &mut [f32], input: &[f32], held: &[bool]) {
+    let first = held.iter().take_while(|held| **held).count();
+    let free = held[first..].iter().take_while(|held| !**held).count();
+    if first < 2 || free == 0 {
+        return;
+    }
+    let change = |x: &[f32], i: usize, k: usize| x[i * NUMBERS + k] - input[i * NUMBERS + k];
+    let mut carried = vec![0.0; x.len()];
+    let mut rest = vec![0.0; x.len()];
+    for i in first..first + free {
+        let after = (i + 1 - first) as f32;
+        let way = (after / JOIN_FRAMES.min(free) as f32).min(1.0);
+        let fade = 1.0 - way * way * (3.0 - 2.0 * way);
+        for k in 0..NUMBERS {
+            let at = change(x, first - 1, k);
+            let speed = at - change(x, first - 2, k);
+            carried[i * NUMBERS + k] = (at + speed * after) * fade;
+            rest[i * NUMBERS + k] = change(x, i, k) - carried[i * NUMBERS + k];
+        }
+    }
+    Smoother::new(JOIN_SMOOTHING, held).smooth(&mut rest, NUMBERS);
+    for i in (first * NUMBERS)..((first + free) * NUMBERS) {
+        x[i] = input[i] + carried[i] + rest[i];
     }
 }
 

@@ -226,6 +226,7 @@ impl<'r> Run<'r> {
                 input: &self.input[range.clone()],
                 first: range.start,
                 held: &held,
+                joins: round == 0 && first == 0 && range.start > 0,
             };
             let trace = &mut trace[first..first + stage.iterations];
             self.one_stage(&mut window, &stage.of_round(round), trace, ticker)?;

@@ -17,6 +17,8 @@ const LONGEST_SHARE: f32 = 0.9995;
 const LEAST_INNER_ANGLE: f32 = 0.61;
 /// Frames over which the pelvis goes down and up again where a leg is too short.
 const SINK_FRAMES: usize = 6;
+/// Farthest that the pelvis goes down: a foot that is farther off stays short of its place.
+const SINK_M: f32 = 0.06;
 /// A swinging foot that would scrape the ground is lifted to this height, metres.
 const SWING_CLEAR_M: f32 = 0.002;
 
@@ -135,7 +137,7 @@ impl Lock<'_> {
                     let down = figures[i].positions[leg.upper] - targets[i][side].ankle;
                     let across = down.with_y(0.0).length();
                     let reach = (longest * longest - across * across).max(0.0).sqrt();
-                    (down.y - reach).max(0.0)
+                    (down.y - reach).clamp(0.0, SINK_M)
                 };
                 // A seat or a bed does not give way: there a foot rather stays short of its place.
                 let stands = self.task.rest(i).is_none() && self.plan.places[i].iter().any(Option::is_some);

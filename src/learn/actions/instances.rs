@@ -317,11 +317,14 @@ fn instance_of(
     let rule = rules.action(kind)?;
     let pose = solver.solve(&photo.people[person].joints)?;
     let place = whereabouts::key_place(photo, person, candidate.captions, rule, rules, &pose);
+    // COCO marks no desks and no kitchen counters: photos without them say nothing.
+    let unmarked = matches!(rule.key, KeyObject::OfficeDesk | KeyObject::KitchenIsland) || !photo.complete;
     let place = place.or_else(|| {
-        (config.key_assumed && !photo.complete).then(|| whereabouts::assumed(candidate.captions, rule, rules))
+        (config.key_assumed && unmarked).then(|| whereabouts::assumed(candidate.captions, rule, rules))
     })?;
     let (posture, posture_evidence) =
         posture::posture(photo, person, candidate.captions, &place, rule, rules, &pose);
+    let place = whereabouts::fitting(place, posture);
     let frame = PhotoFrame::of(&pose, posture, config.frame)?;
     let KeyPlace { key, relation, evidence, bounds } = place;
     let key_seen =

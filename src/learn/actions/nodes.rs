@@ -26,8 +26,11 @@ pub struct ModelConfig {
     pub prior_instances: f64,
     /// Instances of a node below which it is left out, unless it is its type's largest.
     pub node_least: usize,
-    /// Places from which on a node's own layout is fitted; with fewer its type's is used, then everybody's.
+    /// Places from which on a layout is called a node's own, or its type's.
     pub own_places: usize,
+    /// Weight, in places, that a type's layout has in a node's and everybody's in a type's. 0: a node has its own from
+    /// `own_places` on or its type's, nothing between, as the paper.
+    pub prior_places: f64,
     /// Places from which on any layout is fitted.
     pub places_least: usize,
     /// Pairs that are together less often have no relation (ADSE §4.2: 0.5).
@@ -47,6 +50,7 @@ impl Default for ModelConfig {
             prior_instances: 5.0,
             node_least: 8,
             own_places: 15,
+            prior_places: 15.0,
             places_least: 4,
             together_least: 0.5,
             seen_least: 2,
@@ -268,27 +272,56 @@ impl Learner<'_> {
         found
     }
 
-    /// The layout of places: of the node's own where they are enough, else of its type's, else of all.
+    /// The layout of places: of the node's own, leaning on its type's where they are few, and that on everybody's.
     fn density(&self, places: &Places, key: NodeKey, what: &str) -> Option<PolarDensity> {
-        let (own, typical) = (of_node(places, key), of_kind(places, key.0));
-        let all: Vec<PolarUnits> = places.iter().map(|(_, p)| *p).collect();
-        let (chosen, evidence, number) = if own.len() >= self.config.own_places {
-            (own, Evidence::Node, key_number(key))
-        } else if typical.len() >= self.config.places_least {
-            (typical, Evidence::Action, key.0 as u64)
-        } else if all.len() >= self.config.places_least {
-            (all, Evidence::Everything, 0)
-        } else {
-            return None;
-        };
-        let name = format!("{what}, {evidence:?} {number}");
-        if let Some(known) = self.fitted.borrow().get(&name) {
+        let levels = [
+            (places.iter().map(|(_, p)| *p).collect(), Evidence::Everything, 0),
+            (of_kind(places, key.0), Evidence::Action, key.0 as u64),
+            (of_node(places, key), Evidence::Node, key_number(key)),
+        ];
+        let mut density: Option<PolarDensity> = None;
+        for (chosen, evidence, number) in levels {
+            // Without leaning only what is enough by itself counts.
+            let least = if self.config.prior_places > 0.0 { 2 } else { self.config.own_places };
+            if chosen.len() < if density.is_some() { least } else { self.config.places_least } {
+                continue;
+            }
+            let own = self.fitted(&chosen, evidence, &format!("{what}, {evidence:?} {number}"))?;
+            density = Some(match density {
+                Some(wider) => self.leaning(own, wider),
+                None => own,
+            });
+        }
+        density
+    }
+
+    /// The layout of places alone, fitted once.
+    fn fitted(&self, places: &[PolarUnits], evidence: Evidence, name: &str) -> Option<PolarDensity> {
+        if let Some(known) = self.fitted.borrow().get(name) {
             return known.clone();
         }
-        let seed = self.seed.child(&name, 0);
-        let density = fit_density(&chosen, evidence, self.config, self.metres_per_unit, seed);
-        self.fitted.borrow_mut().insert(name, density.clone());
+        let seed = self.seed.child(name, 0);
+        let density = fit_density(places, evidence, self.config, self.metres_per_unit, seed);
+        self.fitted.borrow_mut().insert(name.to_owned(), density.clone());
         density
+    }
+
+    /// A layout of few places with the wider one as its prior, which weighs as much as `prior_places` of them. Told as
+    /// the wider one's until its own places are enough.
+    fn leaning(&self, own: PolarDensity, wider: PolarDensity) -> PolarDensity {
+        let share = own.samples as f64 / (own.samples as f64 + self.config.prior_places);
+        let (a, b) = (own.distance_m, wider.distance_m);
+        let apart = a.mu - b.mu;
+        let variance = share * a.sigma * a.sigma
+            + (1.0 - share) * b.sigma * b.sigma
+            + share * (1.0 - share) * apart * apart;
+        let told = if own.samples >= self.config.own_places { &own } else { &wider };
+        PolarDensity {
+            distance_m: LogNormal { mu: share * a.mu + (1.0 - share) * b.mu, sigma: variance.sqrt() },
+            direction: own.direction.mixed(&wider.direction, share, self.config.mixture.most_components),
+            samples: told.samples,
+            evidence: told.evidence,
+        }
     }
 
     /// P(H, K) of the node's own angles where they are enough, else of its type's, else of all.

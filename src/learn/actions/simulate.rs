@@ -133,7 +133,7 @@ pub fn recover(
     let solver = PoseSolver::new(PoseDictionary::bundled(), PoseSolverConfig::default());
     let config = InstanceConfig { categories_least: 1, ..InstanceConfig::default() };
     let found = find_instances(&photos, Rules::bundled(), &config, &solver, ticker)?;
-    let model_config = ModelConfig { prior_instances: 0.0, ..ModelConfig::default() };
+    let model_config = ModelConfig { prior_instances: 0.0, prior_places: 0.0, ..ModelConfig::default() };
     let unit = config.frame.metres_per_unit();
     let model = build_model(&found, Rules::bundled(), &model_config, unit, seed);
     let of_kind =

@@ -5,7 +5,7 @@
 
 use glam::{Quat, Vec3};
 
-use crate::body::joints::{LEFT_ANKLE, LEFT_FOOT, RIGHT_ANKLE, RIGHT_FOOT};
+use crate::body::joints::{LEFT_ANKLE, RIGHT_ANKLE, RIGHT_FOOT};
 use crate::motion::gait::{KNOTS, Pace};
 
 use super::track::Track;

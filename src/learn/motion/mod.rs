@@ -6,6 +6,7 @@
 mod checkpoint;
 mod config;
 mod data;
+pub mod evaluate;
 mod history;
 mod loss;
 mod solids;

@@ -222,6 +222,17 @@ pub fn swept(body: &Body, frames: &[Frame]) -> Swept {
     Swept { points }
 }
 
+/// What each frame of a motion does.
+pub fn rests_of(body: &Body, frames: &[Frame]) -> Vec<Rest> {
+    let watch = Watch::new(body);
+    let mut workspace = Workspace::default();
+    let rest = |frame: &Frame| {
+        watch.pose(frame, &mut workspace);
+        watch.moment(frame, &workspace).rest
+    };
+    frames.iter().map(rest).collect()
+}
+
 /// The times of rest of a motion: for each its middle.
 fn rests(body: &Body, frames: &[Frame]) -> Vec<Moment> {
     let watch = Watch::new(body);

@@ -28,6 +28,8 @@ use crate::scene::{BodyParams, HANDS, POSE};
 
 /// Windows, bodies or clouds of the validation clips looked at after each epoch: enough for a curve.
 const VALIDATION: usize = 192;
+/// Noise on the ends' places and rotations, against that on their codes.
+const PLACE_NOISE: f32 = 0.1;
 /// c of the robust distance, metres (1 in the published training).
 const ROBUST_C_M: f32 = 1.0;
 
@@ -221,7 +223,10 @@ fn step_of_windows(
     let routes = routes_of(pool.route, which, &windows);
     let clouds: Vec<&Cloud> = windows.iter().map(|w| &w.cloud).collect();
     let cloud = state.network.cloud_tensor(&clouds, g.device());
-    let end_noise = noise(2 * windows.len() * ROW, training.end_noise, &mut rng);
+    let mut end_noise = noise(2 * windows.len() * ROW, training.end_noise, &mut rng);
+    for row in end_noise.chunks_exact_mut(ROW) {
+        row[..PLACE].iter_mut().for_each(|n| *n *= PLACE_NOISE);
+    }
     let batch = window_tensors(which, &windows, cloud, &routes, &end_noise, g);
     let weights = loss::between_weights(training, which, g.device());
     let made = state.network.fill(g, &batch.input);

@@ -112,7 +112,8 @@ impl Rising {
 /// From 0 to 1 between two instants, without velocity or acceleration at either (quintic).
 pub(super) fn ease(t: f32, from: f32, to: f32) -> f32 {
     let x = ((t - from) / (to - from).max(1e-4)).clamp(0.0, 1.0);
-    x * x * x * (x * (6.0 * x - 15.0) + 10.0)
+    // Rounding must not lead beyond 1: roots are taken of what is left.
+    (x * x * x * (x * (6.0 * x - 15.0) + 10.0)).clamp(0.0, 1.0)
 }
 
 /// From 0 up to 1 and down to 0 again.

@@ -67,6 +67,8 @@ const SMALL_STEP_S: f32 = 0.56;
 /// First and last step of a walk as shares of the steps between.
 const FIRST_SHARE: f32 = 0.78;
 const LAST_SHARE: f32 = 0.86;
+/// Steps longer than this times the natural length are leaps.
+const LONGEST_STEP: f32 = 1.2;
 /// Share of a step's time for which the foot may be in the air.
 const LONGEST_SWING: f32 = 0.86;
 
@@ -236,7 +238,11 @@ impl<'a> Planner<'a> {
             _ => true,
         };
         let candidates = [rounded, rounded + 1, rounded.saturating_sub(1).max(1)];
-        let off = |count: &usize| (*count as f32 - wanted).abs();
+        // By the step's length over the natural one: twice too long is as bad as half as long, and legs end before that.
+        let off = |count: &usize| {
+            let length = wanted.max(0.3) / *count as f32;
+            length.ln().abs() + 4.0 * (length - LONGEST_STEP).max(0.0)
+        };
         candidates
             .into_iter()
             .filter(|count| fits(*count))

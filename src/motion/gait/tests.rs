@@ -227,6 +227,21 @@ fn nothing_pops_on_the_way() {
 }
 
 #[test]
+fn nothing_pops_on_any_way_between_any_stances() {
+    for case in 0..60u8 {
+        let (x, turn) = (f32::from(case), f32::from(case % 7) - 3.0);
+        let to = Vec3::new((0.7 * x).sin(), 0.0, 1.0 + 0.05 * x);
+        let from = if case % 3 == 0 { walks(Vec3::ZERO, 0.0, 0.8) } else { stands(Vec3::ZERO, turn, 1) };
+        let leg = input(from, stands(to, 0.4 * x, 2), &[Vec3::ZERO, to], u64::from(case));
+        for (i, window) in joints_of(&made(&leg)).windows(3).enumerate() {
+            let [a, b, c] = [0, 1, 2].map(|k| window[k].positions[j::LEFT_FOOT]);
+            let acceleration = (a - 2.0 * b + c).length() * CLIP_FPS * CLIP_FPS;
+            assert!(acceleration < 180.0, "way {case}: a foot at {acceleration} m/s² in frame {i}");
+        }
+    }
+}
+
+#[test]
 fn the_body_stays_upright_in_walking_and_arms_swing_against_the_legs() {
     let (_, input) = legs().swap_remove(0);
     let joints = joints_of(&made(&input));

@@ -15,7 +15,7 @@ pub struct NetworkChart {
 }
 
 /// Room beside the circle for the names.
-const MARGIN: f64 = 270.0;
+const MARGIN: f64 = 330.0;
 
 pub fn draw(chart: &NetworkChart, canvas: &Canvas<'_, '_>) -> Drawn {
     let top = canvas.head(&chart.title, &[])?;

@@ -13,7 +13,9 @@ use super::spot::PlacedPerson;
 use super::stage::Stage;
 use super::step::{EvolutionStep, Inserted, MoveReason, Moved, StepPerson};
 use super::world::{Held, Item, World};
-use crate::evolve::action::{ActionGraph, ActionKind, ActionModel, ActionNode, KeyRelation, Posture};
+use crate::evolve::action::{
+    ActionGraph, ActionKind, ActionModel, ActionNode, KeyObject, KeyRelation, Posture,
+};
 use crate::job::Seed;
 use crate::scene::{ObjectId, PoseFamily, Room};
 
@@ -337,7 +339,13 @@ fn why_off(node: &ActionNode, stage: &Stage, config: &EvolutionConfig) -> Option
     if keys.is_empty() {
         return Some(format!("there is no {} here", node.key.label()));
     }
-    if node.relation == KeyRelation::Around {
+    let is_table = !matches!(node.key, KeyObject::Bed | KeyObject::Couch);
+    let on_chair_or_feet = match node.posture {
+        Posture::Stand => true,
+        Posture::Sit | Posture::SitStraight => is_table,
+        Posture::LieUp | Posture::LieDown => false,
+    };
+    if node.relation == KeyRelation::Around && on_chair_or_feet {
         return None;
     }
     let fits = |family: PoseFamily| match node.posture {

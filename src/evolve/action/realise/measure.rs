@@ -14,8 +14,11 @@ use crate::scene::WalkableFloor;
 
 /// Deeper than this is an interpenetration.
 pub const PENETRATION_MM: f32 = 2.0;
-/// A thing held at this distance is held; where the surface is soft, at the next one.
+/// A thing whose nearest point is this near to what is below does not hang in the air.
 const HELD_WITHIN_M: f32 = 0.005;
+/// Points of the underside this far above what is below still carry: what counts as even when a thing is put down,
+/// and the half millimetre to two and a half that it is lifted to run into nothing.
+const CARRIES_M: f32 = 0.007;
 /// What beds and couches give.
 const HELD_SOFTLY_M: f32 = 0.025;
 /// Rays for what is below start so far above the underside.
@@ -173,7 +176,7 @@ fn not_held(world: &World, item: &Item) -> Option<String> {
         Held::Surface(number) => world.stage.surfaces.get(number).is_some_and(|s| s.soft),
         _ => false,
     };
-    let carries_m = if soft { HELD_SOFTLY_M } else { HELD_WITHIN_M };
+    let carries_m = if soft { HELD_SOFTLY_M } else { CARRIES_M };
     let place = item.world_from_item();
     let gap_m = |p: &UnderPoint| {
         let point = place.transform_point3(Vec3::new(p.at.x, item.shape.bounds.min.y + p.lift_m, p.at.y));

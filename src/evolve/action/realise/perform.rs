@@ -29,6 +29,9 @@ const AROUND_M: f32 = 2.2;
 const AT_HAND_M: f32 = 1.3;
 /// How often.
 const USE_AGAIN: f64 = 0.6;
+/// A thing of the room that is larger than its kind's models by this factor is no such thing to handle: a tree is a
+/// potted plant, and yet nobody puts it on the table.
+const LARGER_THAN_USUAL: f32 = 1.6;
 /// Earlier decisions that are revised for one thing before it is given up.
 const MOST_REVISIONS: usize = 3;
 
@@ -420,7 +423,10 @@ impl<'a> Performance<'a> {
 
     /// A thing of the room that is used again: always when the room takes no more, often when it is at hand.
     fn to_use_again(&self, kind: KindId, centre: Vec3, rng: &mut Rng) -> Option<ObjectId> {
-        let free = self.world.of_kind(kind).filter(|i| !i.locked && !self.active.contains(&i.id));
+        let largest_m = LARGER_THAN_USUAL * self.usual_size_m(kind);
+        let fits = |i: &&Arc<Item>| i.shape.bounds.size().max_element() < largest_m;
+        let free =
+            self.world.of_kind(kind).filter(|i| !i.locked && !self.active.contains(&i.id)).filter(fits);
         let mut near: Vec<(f32, ObjectId)> =
             free.map(|i| (flat(i.pose.at).distance(flat(centre)), i.id)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -428,6 +434,12 @@ impl<'a> Performance<'a> {
         let full = self.world.of_kind(kind).count() >= self.library.kind(kind).most;
         let at_hand = distance_m < AT_HAND_M && rng.random_bool(USE_AGAIN);
         (full || at_hand).then_some(id)
+    }
+
+    /// Size of the largest look of a kind.
+    fn usual_size_m(&self, kind: KindId) -> f32 {
+        let looks = (0..self.library.looks(kind)).filter_map(|look| self.library.thing(kind, look).ok());
+        looks.map(|t| t.shape.bounds.size().max_element()).fold(0.0, f32::max)
     }
 
     fn take_back(&mut self, done: &Done) {
