@@ -133,9 +133,7 @@ fn make(cast: &Cast<'_>, job: &Job, ticker: &Ticker) -> Result<LegMotion, Stop> 
             let (nets, bodies) = (LearnedMotion::bundled()?, SubGoalBodies::bundled()?);
             Ok(networks::route_cvae_leg(nets, &bodies, cast.body, &points, input, ticker)?)
         }
-        (Task::Move(_), method) => {
-            Err(Stop::Failed(format!("the method `{}` is not there yet: use `gait`", method.label())))
-        }
+        (Task::Move(input), MotionMethod::Retrieval) => by_memory::leg(cast, input, ticker),
     }
 }
 

@@ -14,14 +14,16 @@ use crate::scene::{Clip, SubGoalId};
 
 /// People keep their middles at least this far apart, metres: two bodies' half widths and a hand's breadth.
 const APART_M: f32 = 0.55;
-/// A person who stands in the way takes this much room, half, metres.
-const BODY_M: f32 = 0.33;
+/// Whoever is gone around takes this much room, half, metres: with one's own half width more than [`APART_M`].
+const BODY_M: f32 = 0.42;
 /// Where somebody is within this time of a meeting is kept free when going around, seconds.
 const AROUND_S: f32 = 0.8;
 /// One waits so long at a time, seconds.
 const WAIT_S: f32 = 0.8;
 /// And not longer than this at one place, seconds.
 const LONGEST_WAIT_S: f32 = 24.0;
+/// Times that a way is planned around where others turn out to be, before one waits.
+const AROUND: usize = 4;
 /// Attempts to get by each other before the meeting is reported.
 const ATTEMPTS: usize = 60;
 
@@ -30,6 +32,7 @@ const ATTEMPTS: usize = 60;
 pub(super) struct Timing {
     wait_s: BTreeMap<SubGoalId, f32>,
     around: BTreeMap<SubGoalId, Vec<Disc>>,
+    gone_around: BTreeMap<SubGoalId, usize>,
 }
 
 impl Timing {
@@ -100,9 +103,11 @@ impl Timing {
         meeting: &Meeting,
     ) -> bool {
         let Some(station) = station_at(nodes, clip, meeting.frame) else { return false };
-        if !self.around.contains_key(&station) {
+        let tried = self.gone_around.entry(station).or_insert(0);
+        *tried += 1;
+        if *tried <= AROUND {
             let discs = where_others_are(cast, clip, meeting.frame);
-            self.around.insert(station, discs);
+            self.around.entry(station).or_default().extend(discs);
             let reached = |timing: &Self| plan_route(cast, resolved, timing, &crate::job::Ticker::silent());
             let before = nodes.iter().filter(|n| !n.goal.planned).count();
             let all = |route: &Route| route.stops.iter().filter(|s| !s.goal.planned).count() == before;
@@ -111,6 +116,7 @@ impl Timing {
             }
         }
         // Going around did not help, or could not be done: the straight way, later.
+        self.gone_around.insert(station, AROUND);
         self.around.insert(station, Vec::new());
         let wait = self.wait_s.entry(station).or_insert(0.0);
         *wait += WAIT_S;

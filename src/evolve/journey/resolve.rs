@@ -30,8 +30,8 @@ const TURNED: f32 = 1.2;
 const HALF_TURN_M: f32 = 0.8;
 /// Places of one seat that are tried, and ways to hold oneself at each.
 const TRIES: (usize, u64) = (3, 2);
-/// Weight of the place in a fit, per squared metre: two centimetres off weigh as much as a gap of a centimetre.
-const PLACE: f32 = 40.0;
+/// Weight of the place in a fit, per squared metre: a centimetre and a half off weighs as much as a gap of a centimetre.
+const PLACE: f32 = 80.0;
 /// Points no higher than this above the floor are on the floor, metres.
 const ON_FLOOR_M: f32 = 0.2;
 /// A miss of this many centimetres, or degrees, is as bad as a finding that misses its limit by its own size.

@@ -75,7 +75,13 @@ pub fn tour(
     let view = guide.view(&from, &[Category::Window, Category::Picture, Category::Shelving]);
     let bed = guide.bed(&from);
     let back = Visit { facing: door.facing + 2.0 * FRAC_PI_2, ..guide.copy(&door) };
-    let visits: Vec<Visit> = [Some(door), chair, sofa, view, bed, Some(back)].into_iter().flatten().collect();
+    let at_view = 1 + usize::from(chair.is_some()) + usize::from(sofa.is_some());
+    let views = view.is_some();
+    let mut visits: Vec<Visit> =
+        [Some(door), chair, sofa, view, bed, Some(back)].into_iter().flatten().collect();
+    if views && guide.busy_s(&visits) + LEAST_STAY_S * rests(&visits) as f32 > seconds {
+        visits.remove(at_view);
+    }
     Ok(guide.timed(&visits, seconds))
 }
 
@@ -198,8 +204,8 @@ impl Guide<'_> {
         })
     }
 
-    /// The visits as sub-goals, stays chosen so that the whole takes about `seconds`.
-    fn timed(&self, visits: &[Visit], seconds: f32) -> Vec<SubGoal> {
+    /// What a tour takes besides its stays on seats and beds, seconds.
+    fn busy_s(&self, visits: &[Visit]) -> f32 {
         let way = |pair: &[Visit]| {
             let way = self.planner.way(&pair[0].spot, &pair[1].spot, &[]);
             way.map_or(0.0, |w| w.length_m()) / SPEED_M_PER_S
@@ -207,13 +213,15 @@ impl Guide<'_> {
         let doing = |v: &Visit| match v.pose {
             GoalPose::Sit => SIT_S,
             GoalPose::Lie => SIT_S + LIE_S,
-            _ => 1.0,
+            _ => STANDING_S + 1.0,
         };
-        // What is left of the time is spent on seats and beds.
-        let rests = visits.iter().filter(|v| v.pose != GoalPose::Stand).count();
-        let stands = (visits.len() - rests) as f32 * STANDING_S;
-        let moving: f32 = visits.windows(2).map(way).sum::<f32>() + visits.iter().map(doing).sum::<f32>();
-        let stay_s = ((seconds - moving - stands) / rests.max(1) as f32).max(LEAST_STAY_S);
+        visits.windows(2).map(way).sum::<f32>() + visits.iter().map(doing).sum::<f32>()
+    }
+
+    /// The visits as sub-goals, stays on seats and beds chosen so that the whole takes about `seconds`.
+    fn timed(&self, visits: &[Visit], seconds: f32) -> Vec<SubGoal> {
+        let left_s = seconds - self.busy_s(visits);
+        let stay_s = (left_s / rests(visits).max(1) as f32).max(LEAST_STAY_S);
         let goal = |(index, v): (usize, &Visit)| SubGoal {
             id: SubGoalId(index as u32),
             at: v.at,
@@ -226,6 +234,11 @@ impl Guide<'_> {
         };
         visits.iter().enumerate().map(goal).collect()
     }
+}
+
+/// How many of the visits are on seats and beds.
+fn rests(visits: &[Visit]) -> usize {
+    visits.iter().filter(|v| v.pose != GoalPose::Stand).count()
 }
 
 /// Leaves one of places that are nearly the same.
