@@ -224,6 +224,7 @@ impl Window {
         ] {
             if asked {
                 self.tree.make_active(|_, tile| matches!(tile, Tile::Pane(of) if *of == pane));
+                ctx.request_repaint();
             }
         }
         if requests.open_dialog {

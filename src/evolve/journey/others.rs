@@ -15,7 +15,7 @@ use crate::scene::{Clip, SubGoalId};
 /// People keep their middles at least this far apart, metres: two bodies' half widths and a hand's breadth.
 const APART_M: f32 = 0.55;
 /// Whoever is gone around takes this much room, half, metres: with one's own half width more than [`APART_M`].
-const BODY_M: f32 = 0.42;
+const BODY_M: f32 = 0.48;
 /// Where somebody is within this time of a meeting is kept free when going around, seconds.
 const AROUND_S: f32 = 0.8;
 /// One waits so long at a time, seconds.

@@ -23,8 +23,9 @@ const BELOW_M: f32 = 0.012;
 const CARRIES_M: [f32; 2] = [0.004, 0.025];
 /// ADSE eq. 9: at least half of a thing is over what it stands on.
 const LEAST_SHARE: f32 = 0.5;
-/// The middle of its weight may be this far outside of what carries it.
-const BALANCE_M: f32 = 0.004;
+/// The middle of its weight may be this far outside of what carries it: not at all, for the measure of what was placed
+/// casts other rays and may see the edge some millimetres nearer.
+const BALANCE_M: f32 = 0.0;
 /// Things whose inner circles in plan overlap by this share run into each other.
 const CORES: f32 = 0.8;
 /// Rays start so far above a surface's usual height: its unevenness.
