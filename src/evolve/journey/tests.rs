@@ -11,15 +11,16 @@ use crate::scene::{Frame, GeometryConfig, ImportOptions, room_from_model};
 /// The bundled bedroom: bed, desk with chair, armchair.
 fn bedroom() -> &'static (Room, RoomGeometry) {
     static ROOM: OnceLock<(Room, RoomGeometry)> = OnceLock::new();
-    ROOM.get_or_init(|| {
-        let sample = sample_rooms().iter().find(|r| r.key == "bedroom").expect("bundled room");
-        let model =
-            read_model_bytes("bedroom", sample.glb, &Budget::default()).expect("bundled rooms are sound");
-        let room = room_from_model(&model, &ImportOptions::default()).room;
-        let go_on = |_, _| ControlFlow::Continue(());
-        let geometry = RoomGeometry::build(&room, &GeometryConfig::default(), &go_on).expect("not stopped");
-        (room, geometry)
-    })
+    ROOM.get_or_init(|| bundled("bedroom"))
+}
+
+fn bundled(key: &str) -> (Room, RoomGeometry) {
+    let sample = sample_rooms().iter().find(|r| r.key == key).expect("bundled room");
+    let model = read_model_bytes(key, sample.glb, &Budget::default()).expect("bundled rooms are sound");
+    let room = room_from_model(&model, &ImportOptions::default()).room;
+    let go_on = |_, _| ControlFlow::Continue(());
+    let geometry = RoomGeometry::build(&room, &GeometryConfig::default(), &go_on).expect("not stopped");
+    (room, geometry)
 }
 
 /// From the door to the desk chair, the armchair, the window, the bed and back.
@@ -34,7 +35,10 @@ fn unfitted(goals: Vec<SubGoal>) -> JourneyRequest {
 }
 
 fn made(request: &JourneyRequest, seed: u64) -> Journey {
-    let (room, geometry) = bedroom();
+    made_in(bedroom(), request, seed)
+}
+
+fn made_in((room, geometry): &(Room, RoomGeometry), request: &JourneyRequest, seed: u64) -> Journey {
     journey(room, geometry, Body::bundled(), request, &JobCtx::headless(Seed::root(seed))).expect("a journey")
 }
 
@@ -148,13 +152,15 @@ fn a_route_is_seen_first_then_poses_and_a_cancelled_journey_is_cancelled() {
 
 #[test]
 fn somebody_who_stands_in_the_way_is_walked_around() {
-    let door = SubGoal { stay_s: 0.0, ..asked()[0].clone() };
-    let rug = SubGoal { id: SubGoalId(1), at: Vec3::new(0.6, 0.0, 0.8), facing: None, ..door.clone() };
-    let request = unfitted(vec![door, rug]);
-    let alone = made(&request, 2).clip;
+    let living = bundled("living");
+    let left =
+        SubGoal { at: Vec3::new(-1.6, 0.0, 1.3), facing: None, pose: GoalPose::Stand, ..asked()[0].clone() };
+    let right = SubGoal { id: SubGoalId(1), at: Vec3::new(1.6, 0.0, 1.3), ..left.clone() };
+    let request = unfitted(vec![left, right]);
+    let alone = made_in(&living, &request, 2).clip;
     let middle = alone.frames[alone.frames.len() / 2].clone();
     let other = Clip { name: "Somebody".to_owned(), frames: vec![middle.clone()], ..Clip::default() };
-    let both = made(&JourneyRequest { others: vec![Arc::new(other)], ..request }, 2);
+    let both = made_in(&living, &JourneyRequest { others: vec![Arc::new(other)], ..request }, 2);
     let away = |f: &Frame| f.translation.with_y(0.0).distance(middle.translation.with_y(0.0));
     let nearest = |clip: &Clip| clip.frames.iter().map(away).fold(f32::INFINITY, f32::min);
     assert!(nearest(&alone) < 0.05, "the test is about people who would collide");
