@@ -115,9 +115,14 @@ fn twenty_iterations_of_61_frames_ours(bencher: Bencher<'_, '_>, threads: usize)
     iterations(bencher, SequencePreset::Ours, threads);
 }
 
+/// Seconds of motion to measure; when benches only run as tests, the shortest is enough.
+fn lengths_s() -> &'static [usize] {
+    if std::env::args().any(|argument| argument == "--bench") { &[10, 60, 300] } else { &[10] }
+}
+
 /// A whole optimisation by ours: the time should be in proportion to the seconds, and memory the same.
-#[divan::bench(args = [10, 60, 300], sample_count = 2)]
-fn seconds_of_motion(bencher: Bencher<'_, '_>, seconds: usize) {
+#[divan::bench(args = lengths_s(), sample_count = 2)]
+fn seconds_of_motion(bencher: Bencher<'_, '_>, &seconds: &usize) {
     let field = field();
     let config = SequenceConfig::default();
     let mut run = optimise(&field, 30 * seconds, &config);
