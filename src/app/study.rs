@@ -3,6 +3,8 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use egui::Key;
@@ -16,7 +18,7 @@ use crate::document::Study;
 use crate::document::StudyKind;
 use crate::document::find_exhibits;
 use crate::document::save_scores;
-use crate::job::{Job, JobCtx, Seed};
+use crate::job::{Job, JobCtx, Seed, Stop};
 use crate::scene::Scene;
 
 /// What the next study is.
@@ -63,6 +65,8 @@ pub struct StudyRun {
     loaded: BTreeMap<PathBuf, Scene>,
     opening: Option<(PathBuf, Job<Opened>)>,
     saving: Option<Job<Vec<MethodScores>>>,
+    /// How many times scores were given to be written; held while they are.
+    writings: Arc<(AtomicUsize, Mutex<()>)>,
     since: Instant,
     /// The user's own document and its file.
     waiting: (Document, Option<PathBuf>),
@@ -121,6 +125,7 @@ impl EditorState {
             loaded: BTreeMap::new(),
             opening: None,
             saving: None,
+            writings: Arc::default(),
             since: Instant::now(),
             waiting,
         });
@@ -177,11 +182,20 @@ impl EditorState {
         run.loaded.retain(|path, _| kept.contains(path));
     }
 
+    /// Writes all scores in the background, one writing at a time; what has newer ones behind it is left out, and the
+    /// newest is written even if the study is left meanwhile.
     fn keep_scores(&mut self) {
         let waker = self.waker();
         let Some(run) = &mut self.study else { return };
-        let (folder, study) = (run.folder.clone(), run.study.clone());
-        let keep = move |_: &JobCtx| Ok(save_scores(&folder, &study)?);
+        let (folder, study, writings) = (run.folder.clone(), run.study.clone(), run.writings.clone());
+        let number = writings.0.fetch_add(1, Ordering::Relaxed) + 1;
+        let keep = move |_: &JobCtx| {
+            let _turn = writings.1.lock().unwrap_or_else(PoisonError::into_inner);
+            if writings.0.load(Ordering::Relaxed) > number {
+                return Err(Stop::Cancelled);
+            }
+            Ok(save_scores(&folder, &study)?)
+        };
         run.saving = Some(Job::spawn("Keep scores", Seed::root(0), waker, keep));
     }
 

@@ -1294,7 +1294,8 @@ fn a_study_is_blind_scored_by_key_and_leaves_the_users_room_as_it_was() {
         }
         user.presses(Modifiers::NONE, key);
     }
-    user.waits(|state| state.study.as_ref().is_some_and(|run| !run.summary.is_empty()));
+    let written = |run: &super::study::StudyRun| run.summary.iter().map(|m| m.count).sum::<usize>();
+    user.waits(|state| state.study.as_ref().is_some_and(|run| written(run) == 4));
     user.harness.get_by_label("Thank you: everything is scored.");
     let summary = &user.state().study.as_ref().unwrap().summary;
     let counts: Vec<_> = summary.iter().map(|m| (m.method.as_str(), m.count)).collect();

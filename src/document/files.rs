@@ -4,6 +4,7 @@
 use std::fs::File;
 use std::io::{Cursor, Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
@@ -359,9 +360,12 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), ProjectError> {
     Ok(())
 }
 
+/// A name beside `path` that no other writing has, neither of this process nor of another.
 fn temporary(path: &Path) -> PathBuf {
+    static WRITINGS: AtomicUsize = AtomicUsize::new(0);
+    let number = WRITINGS.fetch_add(1, Ordering::Relaxed);
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    path.with_file_name(format!(".{name}.{}.part", std::process::id()))
+    path.with_file_name(format!(".{name}.{}.{number}.part", std::process::id()))
 }
 
 fn shown(path: &Path) -> String {
