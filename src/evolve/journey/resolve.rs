@@ -12,7 +12,6 @@ use crate::inspect::{Finding, Limits, Site, inspect_body};
 use crate::job::{Cancelled, Seed, Ticker};
 use crate::math::Aabb;
 use crate::motion::gait;
-use crate::motion::leg::FootPlace;
 use crate::motion::plan::{Blocked, PlanConfig, Planner, Seated, Spot, Station, Unreachable, stances};
 use crate::scene::{
     BETAS, BodyParams, Category, Frame, GoalPose, PoseFamily, SubGoal, direction_of, facing_of,
@@ -30,8 +29,10 @@ const TURNED: f32 = 1.2;
 const HALF_TURN_M: f32 = 0.8;
 /// Places of one seat that are tried, and ways to hold oneself at each.
 const TRIES: (usize, u64) = (3, 2);
-/// Weight of the place in a fit, per squared metre: a centimetre and a half off weighs as much as a gap of a centimetre.
+/// Weights of the place in a fit, per squared metre: a centimetre and a half off weighs as much as a gap of a centimetre,
+/// and along the floor, where the point was asked for, a third of a centimetre does.
 const PLACE: f32 = 80.0;
+const OVER: f32 = 2000.0;
 /// Points no higher than this above the floor are on the floor, metres.
 const ON_FLOOR_M: f32 = 0.2;
 /// A miss of this many centimetres, or degrees, is as bad as a finding that misses its limit by its own size.
@@ -107,16 +108,6 @@ fn place_of(joints: &[Vec3], frame: &Frame, pose: GoalPose) -> (Vec3, f32) {
         _ => frame.rotation * Vec3::Z,
     };
     (joints[j::PELVIS], facing_of(flat(direction)))
-}
-
-/// A seated body as the planner sees it, its feet on the floor below.
-fn seated(planner: &Planner<'_>, joints: &[Vec3], facing: f32) -> Seated {
-    let foot = |ankle: usize, ball: usize| FootPlace {
-        at: planner.on_floor(flat(joints[ankle])),
-        heading: facing_of(flat(joints[ball] - joints[ankle])),
-    };
-    let feet = [foot(j::LEFT_ANKLE, j::LEFT_FOOT), foot(j::RIGHT_ANKLE, j::RIGHT_FOOT)];
-    Seated { pelvis: joints[j::PELVIS], facing, feet }
 }
 
 /// Finds bodies for the sub-goals of one journey.
@@ -287,10 +278,10 @@ impl<'a> Resolver<'a> {
         let (edge, sits) = if lies {
             match self.edge(goal, support, place.0, quick, ticker)? {
                 Some((edge, sits)) => (Some(edge), sits),
-                None => (None, seated(&planner, &joints, place.1)),
+                None => (None, self.seated(&planner, &frame, place)),
             }
         } else {
-            (None, seated(&planner, &joints, place.1))
+            (None, self.seated(&planner, &frame, place))
         };
         let family = if lies { lying_family(&frame) } else { self.seat_family(first) };
         let goal = SubGoal { body: Some(frame), ..goal.clone() };
@@ -446,8 +437,17 @@ impl<'a> Resolver<'a> {
         let frame = self.frame(&found.params);
         let joints = figure(self.cast.body, &self.cast.request.betas, &frame);
         let planner = Planner::new(self.cast.geometry, PlanConfig::default());
-        let facing = place_of(&joints, &frame, GoalPose::Sit).1;
-        Ok(Some((frame, seated(&planner, &joints, facing))))
+        let place = place_of(&joints, &frame, GoalPose::Sit);
+        let sits = self.seated(&planner, &frame, place);
+        Ok(Some((frame, sits)))
+    }
+
+    /// A seated body as the planner sees it, its feet where they stand when it gets up.
+    fn seated(&self, planner: &Planner<'_>, frame: &Frame, (pelvis, facing): (Vec3, f32)) -> Seated {
+        let floor_y = planner.on_floor(flat(pelvis)).y;
+        let mut feet = gait::feet_before(self.cast.body, &self.cast.request.betas, frame, floor_y);
+        feet.iter_mut().for_each(|foot| foot.at = planner.on_floor(flat(foot.at)));
+        Seated { pelvis, facing, feet }
     }
 }
 
@@ -456,6 +456,7 @@ fn held_config() -> FitConfig {
     let mut config = FitConfig::default();
     if let Objective::Rescue(weights) = &mut config.objective {
         weights.place = PLACE;
+        weights.over = OVER;
     }
     config
 }

@@ -87,6 +87,14 @@ pub fn natural_feet(body: &Body, betas: &[f32; BETAS], at: Vec3, facing: f32) ->
     stance::places(&Person::new(body, betas), at, facing)
 }
 
+/// Where the feet of somebody stand, left then right, who is about to sit down into a body or just got up from it: from
+/// there no foot has to be moved.
+pub fn feet_before(body: &Body, betas: &[f32; BETAS], sits: &Frame, floor_y: f32) -> [FootPlace; 2] {
+    let person = Person::new(body, betas);
+    let feet = posture::feet_before(&person, &Stick::of(&person, sits), floor_y);
+    feet.map(|foot| FootPlace { at: foot.ankle.with_y(floor_y), heading: foot.heading() })
+}
+
 /// Length of a natural stride (two steps) of a body at a speed in metres per second: a walk between two canonical
 /// moments takes a whole number of them.
 pub fn stride_m(body: &Body, betas: &[f32; BETAS], speed_m_per_s: f32) -> f32 {

@@ -44,8 +44,8 @@ pub(super) fn on_floor(person: &Person, foot: &FootPose, floor_y: f32) -> bool {
     (foot.ankle.y - floor_y - person.ankle_m()).abs() < ON_FLOOR_M && foot.tilt() < ON_FLOOR_RADIANS
 }
 
-/// Somebody standing before where they sit, on the feet they sit with where those stand on the floor.
-pub(super) fn stand_before(person: &Person, sits: &Stick, floor_y: f32, seed: Seed) -> Stick {
+/// The feet of somebody who stands before where they sit: those they sit with where these stand on the floor.
+pub(super) fn feet_before(person: &Person, sits: &Stick, floor_y: f32) -> [FootPose; 2] {
     let facing = facing(sits.rotation);
     let below = sits.pelvis.with_y(floor_y);
     let usable = |foot: &FootPose| {
@@ -53,11 +53,14 @@ pub(super) fn stand_before(person: &Person, sits: &Stick, floor_y: f32, seed: Se
         on_floor(person, foot, floor_y) && (0.2..0.7).contains(&ahead_m)
     };
     let natural = stance::places(person, below + ahead(facing) * SEAT_DEPTH_M, facing);
-    let natural = stance::feet_at(person, &natural);
-    let feet = if sits.feet.iter().all(usable) { sits.feet } else { natural };
-    let mut stands = stance::stand(person, feet, seed);
+    if sits.feet.iter().all(usable) { sits.feet } else { stance::feet_at(person, &natural) }
+}
+
+/// Somebody standing before where they sit.
+pub(super) fn stand_before(person: &Person, sits: &Stick, floor_y: f32, seed: Seed) -> Stick {
+    let mut stands = stance::stand(person, feet_before(person, sits, floor_y), seed);
     // Somebody who sits down faces as they will sit, however the toes point.
-    stands.rotation = yaw(facing);
+    stands.rotation = yaw(facing(sits.rotation));
     stands
 }
 

@@ -57,6 +57,16 @@ fn rests(family: PoseFamily, pose: GoalPose, at: Vec3, facing: f32, surface_m: f
     EndState::Still(Still { frame, pose })
 }
 
+/// The same body higher up, its feet hanging with the toes down.
+fn hanging(rest: EndState, up_m: f32) -> EndState {
+    let EndState::Still(mut still) = rest else { return rest };
+    still.frame.translation.y += up_m;
+    for ankle in [j::LEFT_ANKLE, j::RIGHT_ANKLE] {
+        still.frame.pose[ankle - 1].x += 0.5;
+    }
+    EndState::Still(still)
+}
+
 fn input(from: EndState, to: EndState, points: &[Vec3], seed: u64) -> LegInput {
     LegInput { from, to, path: way(points), betas: BETAS_OF_MEAN, seconds: None, seed: Seed::root(seed) }
 }
@@ -91,6 +101,7 @@ fn legs() -> Vec<(&'static str, LegInput)> {
         ("turning", input(stands(o, 0.0, 1), stands(o, PI, 2), &[o], 4)),
         ("through", input(walks(o, 0.0, 1.1), walks(v(0.0, 0.0, 2.5), 0.0, 1.1), &[o, v(0.0, 0.0, 2.5)], 5)),
         ("sitting down", input(stands(v(0.0, 0.0, 1.5), PI, 1), sits(), &[v(0.0, 0.0, 1.5), o], 6)),
+        ("on a high seat", input(stands(o, 0.1, 1), hanging(sits(), 0.15), &[o], 6)),
         ("getting up", input(sits(), stands(v(0.0, 0.0, 0.02), 0.0, 2), &[o], 7)),
         ("lying down", input(stands(o, 0.2, 1), lies(), &[o], 8)),
     ]
