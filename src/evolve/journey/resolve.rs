@@ -14,7 +14,7 @@ use crate::math::Aabb;
 use crate::motion::gait;
 use crate::motion::plan::{Blocked, PlanConfig, Planner, Seated, Spot, Station, Unreachable, stances};
 use crate::scene::{
-    BETAS, BodyParams, Category, Frame, GoalPose, PoseFamily, SubGoal, direction_of, facing_of,
+    BETAS, BodyParams, Category, Frame, GoalPose, PoseFamily, RoomGeometry, SubGoal, direction_of, facing_of,
 };
 
 /// Seats and beds farther from the point asked for than this don't come into question, metres.
@@ -41,6 +41,8 @@ const MISS: (f32, f32) = (10.0, 25.0);
 const LIES_OTHERWISE_M: f32 = 0.15;
 /// Height at which people look around, metres, and how far they care to see.
 const EYES_M: (f32, f32) = (1.5, 4.0);
+/// Sitting at a corner of a bed is worth half of this detour, metres.
+const CORNER_M: f32 = 0.3;
 /// Free radius where one gets up from a bed's edge, metres.
 const GET_UP_M: f32 = 0.15;
 /// From below the pelvis of somebody on a bed's edge to where they stand once they got up, metres.
@@ -96,6 +98,19 @@ pub(super) fn flat(v: Vec3) -> Vec2 {
     Vec2::new(v.x, v.z)
 }
 
+/// The direction along or across the edges of a place's surface that is nearest to the place's own, and how straight the
+/// place itself is: 1 for that direction, -1 for one that halves a corner.
+pub(super) fn along_edges(geometry: &RoomGeometry, place: &Place) -> (Vec2, f32) {
+    let surface = place.support.and_then(|index| geometry.supports.get(index));
+    // Four times an angle does not know which of the four sides is meant.
+    let fourfold = |d: Vec2| Vec2::from_angle(4.0 * d.to_angle());
+    let sum: Vec2 = surface.into_iter().flat_map(|s| &s.edges).map(|e| fourfold(flat(e.outward))).sum();
+    let Some(edges) = sum.try_normalize() else { return (place.facing, 0.0) };
+    let own = fourfold(place.facing);
+    let turn = own.angle_to(edges) / 4.0;
+    (Vec2::from_angle(turn).rotate(place.facing), own.dot(edges))
+}
+
 /// Joints of a frame's body, world frame.
 fn figure(body: &Body, betas: &[f32; BETAS], frame: &Frame) -> Vec<Vec3> {
     FrameJoints::of(&body.model.rest_joints(betas), frame).positions.to_vec()
@@ -123,6 +138,8 @@ struct Candidate {
     params: BodyParams,
     on: String,
     badness: f32,
+    /// Whether place and facing are those asked for, and whether nothing at all speaks against it.
+    met: bool,
     clean: bool,
 }
 
@@ -135,7 +152,29 @@ impl<'a> Resolver<'a> {
         } else {
             Vec::new()
         };
-        Ok(Self { cast, places, fitter: Fitter::new(cast.body), seed })
+        Ok(Self::among(cast, places, seed))
+    }
+
+    /// Finds bodies at these places of the room.
+    pub fn among(cast: &'a Cast<'a>, places: Vec<Place>, seed: Seed) -> Self {
+        Self { cast, places, fitter: Fitter::new(cast.body), seed }
+    }
+
+    /// The places of the room.
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// What speaks against a body at the very point of a sub-goal: 0 for nothing, infinity where none is met there.
+    pub fn fault(&self, goal: &SubGoal, ticker: &Ticker) -> Result<f32, Cancelled> {
+        let near = self.near_places(goal, if goal.pose == GoalPose::Lie { "lie" } else { "sit" });
+        let Some(place) = near.first() else { return Ok(f32::INFINITY) };
+        let found = self.candidate(goal, place, true, self.seed, false, ticker)?;
+        Ok(match (found.clean, found.met) {
+            (true, _) => 0.0,
+            (false, true) => found.badness,
+            _ => f32::INFINITY,
+        })
     }
 
     /// Every sub-goal that has a place, and why the others have none. `quick` leaves bodies as they were settled.
@@ -387,7 +426,7 @@ impl<'a> Resolver<'a> {
         let proposal = settle_person(body, geometry, place, &self.cast.request.betas, exactly, seed);
         let on = proposal.on;
         if quick {
-            return Ok(Candidate { params: proposal.params, on, badness: 0.0, clean: true });
+            return Ok(Candidate { params: proposal.params, on, badness: 0.0, met: true, clean: true });
         }
         let around = Surroundings::new(geometry, Aabb::of(body.pose(&proposal.params).vertices));
         let config = held_config();
@@ -403,7 +442,7 @@ impl<'a> Resolver<'a> {
         let met = cm <= super::GOAL_CM && deg <= super::GOAL_DEG;
         let faults: f32 = findings.iter().map(Finding::severity).sum();
         let badness = faults + cm / MISS.0 + deg / MISS.1;
-        Ok(Candidate { params: fitted.params, on, badness, clean: findings.is_empty() && met })
+        Ok(Candidate { params: fitted.params, on, badness, met, clean: findings.is_empty() && met })
     }
 
     /// The body that sits on the edge of the bed `support` nearest to a lying person's pelvis, where there is floor to
@@ -426,7 +465,9 @@ impl<'a> Resolver<'a> {
                 && floor.clearance_at(feet(p)) > GET_UP_M
         };
         let mut places: Vec<Place> = self.places.iter().filter(usable).cloned().collect();
-        let away = |p: &Place| flat(p.under_pelvis - pelvis).length();
+        let away = |p: &Place| {
+            flat(p.under_pelvis - pelvis).length() - CORNER_M * along_edges(self.cast.geometry, p).1
+        };
         places.sort_by(|a, b| away(a).total_cmp(&away(b)));
         places.truncate(TRIES.0);
         let Some(first) = places.first() else { return Ok(None) };
