@@ -35,14 +35,19 @@ const PLACE: f32 = 80.0;
 const OVER: f32 = 2000.0;
 /// Points no higher than this above the floor are on the floor, metres.
 const ON_FLOOR_M: f32 = 0.2;
-/// A miss of this many centimetres, or degrees, is as bad as a finding that misses its limit by its own size.
-const MISS: (f32, f32) = (10.0, 25.0);
+/// A miss of this many centimetres, or degrees, is as bad as a finding that misses its limit by its own size: what was
+/// asked for comes before how well it is done.
+const MISS: (f32, f32) = (2.0, 4.0);
 /// How much less one likes to lie face down or on the side, metres of distance.
 const LIES_OTHERWISE_M: f32 = 0.15;
 /// Height at which people look around, metres, and how far they care to see.
 const EYES_M: (f32, f32) = (1.5, 4.0);
 /// Sitting at a corner of a bed is worth half of this detour, metres.
 const CORNER_M: f32 = 0.3;
+/// Getting in over the side or the back of a sofa instead of from the front is worth this detour, metres.
+const OVER_THE_SIDE_M: f32 = 0.5;
+/// A back this high, metres, says which way a seat faces.
+const BACK_M: f32 = 0.25;
 /// Free radius where one gets up from a bed's edge, metres.
 const GET_UP_M: f32 = 0.15;
 /// From below the pelvis of somebody on a bed's edge to where they stand once they got up, metres.
@@ -109,6 +114,22 @@ pub(super) fn along_edges(geometry: &RoomGeometry, place: &Place) -> (Vec2, f32)
     let own = fourfold(place.facing);
     let turn = own.angle_to(edges) / 4.0;
     (Vec2::from_angle(turn).rotate(place.facing), own.dot(edges))
+}
+
+/// 1 for facing away from what rises highest behind a seat, -1 for facing it, 0 for a seat without a back.
+pub(super) fn away_from_back(geometry: &RoomGeometry, place: &Place) -> f32 {
+    let surface = place.support.and_then(|index| geometry.supports.get(index));
+    let backs = surface.into_iter().flat_map(|s| &s.backs).filter(|b| b.height_m >= BACK_M);
+    let back = backs.max_by(|a, b| (a.height_m * a.length_m).total_cmp(&(b.height_m * b.length_m)));
+    back.map_or(0.0, |b| place.facing.dot(flat(-b.direction)))
+}
+
+/// What speaks against a place on an edge for lying down at a point from there, metres: how far it is, and sitting at a
+/// corner or towards the back.
+pub(super) fn edge_cost(geometry: &RoomGeometry, place: &Place, pelvis: Vec3) -> f32 {
+    flat(place.under_pelvis - pelvis).length()
+        - CORNER_M * along_edges(geometry, place).1
+        - OVER_THE_SIDE_M * away_from_back(geometry, place)
 }
 
 /// Joints of a frame's body, world frame.
@@ -465,10 +486,8 @@ impl<'a> Resolver<'a> {
                 && floor.clearance_at(feet(p)) > GET_UP_M
         };
         let mut places: Vec<Place> = self.places.iter().filter(usable).cloned().collect();
-        let away = |p: &Place| {
-            flat(p.under_pelvis - pelvis).length() - CORNER_M * along_edges(self.cast.geometry, p).1
-        };
-        places.sort_by(|a, b| away(a).total_cmp(&away(b)));
+        let cost = |p: &Place| edge_cost(self.cast.geometry, p, pelvis);
+        places.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
         places.truncate(TRIES.0);
         let Some(first) = places.first() else { return Ok(None) };
         let at =

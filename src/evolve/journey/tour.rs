@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_PI_2;
 
 use glam::{Vec2, Vec3};
 
-use super::resolve::{Resolver, along_edges, flat};
+use super::resolve::{Resolver, along_edges, away_from_back, edge_cost, flat};
 use super::{Cast, JourneyRequest};
 use crate::body::Body;
 use crate::generate::{Place, all_places};
@@ -30,8 +30,6 @@ const STANDING_S: f32 = 2.5;
 const TRIES: usize = 40;
 /// Places that can be reached at which a body is tried before the tour goes on without.
 const BODIES: usize = 8;
-/// A back this high, metres, says which way a seat faces.
-const BACK_M: f32 = 0.25;
 /// What facing away from the back, lying or sitting along the edges, and coming in from the front rather than squeezing
 /// in at a table, are worth against a place's own weight.
 const AWAY: f32 = 1.0;
@@ -140,14 +138,6 @@ impl Guide<'_> {
         object.and_then(|id| self.room.object(id)).map(|o| o.category)
     }
 
-    /// 1 for facing away from what rises highest behind a seat, -1 for facing it, 0 for a seat without a back.
-    fn away_from_back(&self, place: &Place) -> f32 {
-        let surface = place.support.and_then(|index| self.geometry.supports.get(index));
-        let backs = surface.into_iter().flat_map(|s| &s.backs).filter(|b| b.height_m >= BACK_M);
-        let back = backs.max_by(|a, b| (a.height_m * a.length_m).total_cmp(&(b.height_m * b.length_m)));
-        back.map_or(0.0, |b| place.facing.dot(flat(-b.direction)))
-    }
-
     /// The first of the visits against whose body nothing speaks, else that with the least faults among those whose body
     /// is where it should be.
     fn held(&self, visits: Vec<Visit>) -> Result<Option<Visit>, Cancelled> {
@@ -179,7 +169,7 @@ impl Guide<'_> {
         let rank = |p: &Place| {
             p.weight
                 + self.between_m(p)
-                + AWAY * self.away_from_back(p)
+                + AWAY * away_from_back(self.geometry, p)
                 + STRAIGHT * along_edges(self.geometry, p).1
         };
         found.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
@@ -187,7 +177,8 @@ impl Guide<'_> {
         let reached = |place: &Place| {
             let stance = self.stance(place, from)?;
             let in_front = matches!(stance.side, Side::Front | Side::Ahead);
-            let rank = rank(place) + if in_front { IN_FRONT } else { 0.0 };
+            let room_m = self.planner.floor().clearance_at(flat(stance.at)).min(INSIDE_M);
+            let rank = rank(place) + room_m + if in_front { IN_FRONT } else { 0.0 };
             Some((rank, self.visit(place, GoalPose::Sit, facing_of(place.facing), stance.spot())))
         };
         let mut visits: Vec<(f32, Visit)> = found.into_iter().take(TRIES).filter_map(reached).collect();
@@ -250,9 +241,9 @@ impl Guide<'_> {
             let edges = places.iter().filter(|p| {
                 p.support == lie.support && p.family.group() == "sit" && p.family != PoseFamily::SitStraight
             });
-            let near = |p: &Place| p.under_pelvis.distance(lie.under_pelvis);
+            let cost = |p: &Place| edge_cost(self.geometry, p, lie.under_pelvis);
             let mut edges: Vec<&Place> = edges.collect();
-            edges.sort_by(|a, b| near(a).total_cmp(&near(b)));
+            edges.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
             spread(&mut edges);
             let stance = edges.into_iter().take(4).find_map(|edge| self.stance(edge, from))?;
             // One lies along the bed, wherever its middle axis leads, else as the place says.

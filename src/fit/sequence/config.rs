@@ -143,9 +143,6 @@ fn paper() -> SequenceConfig {
     }
 }
 
-fn knob(n: &str, d: f32) -> f32 {
-    std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d)
-}
 fn ours() -> SequenceConfig {
     let objective = MotionObjective::Ours(MotionWeights {
         gap: 200.0,
@@ -156,18 +153,18 @@ fn ours() -> SequenceConfig {
         self_collision: 20.0,
         joint_limits: 2.0,
         feet: 600.0,
-        stay: knob("K_STAY", 0.5),
-        change: knob("K_CHANGE", 100.0),
-        smooth: knob("K_SMOOTH", 30.0),
+        stay: 0.5,
+        change: 100.0,
+        smooth: 30.0,
     });
     // The second moment is shared by all frames and forgets within some twenty steps: the energy falls by orders of
     // magnitude, and steps must not stay scaled by how it began.
     let adam = AdamConfig { learning_rate: 0.02, beta2: 0.95, ..AdamConfig::default() };
     SequenceConfig {
-        stages: vec![Stage { objective, iterations: knob("K_ITER", 60.0) as usize, adam }],
+        stages: vec![Stage { objective, iterations: 60, adam }],
         window: 180,
         overlap: 36,
         lock_feet: true,
-        rounds: knob("K_ROUNDS", 3.0) as usize,
+        rounds: 3,
     }
 }
