@@ -21,6 +21,7 @@ fn bedroom() -> EvaluationRoom {
         set: "sample rooms".into(),
         room,
         geometry: geometry.expect("not stopped"),
+        images: Vec::new(),
     }
 }
 
