@@ -161,6 +161,7 @@ impl Arguments {
                     semantics: published.semantics,
                     valid_mask: false,
                     camera_scale: false,
+                    floor_plane: false,
                     ..base.network.clone()
                 }
             }
