@@ -7,7 +7,7 @@ use egui::{
 use super::{empty, title};
 use crate::app::icons::{self, Icon};
 use crate::app::jobs::JobKind;
-use crate::app::state::EditorState;
+use crate::app::state::{EditorState, Overlay};
 use crate::app::theme;
 use crate::document::Command;
 use crate::evolve::action::{ActionKind, Suggestion};
@@ -21,6 +21,7 @@ pub fn living(ui: &mut Ui, state: &mut EditorState) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let now = state.life_now();
         head(ui, state, now);
+        super::things::things(ui, state);
         if let Some(now) = now {
             suggestions(ui, state, now);
             off(ui, state, now);
@@ -121,27 +122,20 @@ fn choices(ui: &mut Ui, state: &mut EditorState) {
                 *only = if kinds.len() == ActionKind::ALL.len() { Vec::new() } else { kinds };
             }
         }
-        banned(ui, state);
     });
-}
-
-fn banned(ui: &mut Ui, state: &mut EditorState) {
-    let mut free = None;
-    ui.horizontal_wrapped(|ui| {
-        for (i, kind) in state.living.choice.banned.iter().enumerate() {
-            if ui.button(format!("{kind} x")).on_hover_text("Banned; click to allow it again").clicked() {
-                free = Some(i);
-            }
-        }
-    });
-    if let Some(i) = free {
-        state.living.choice.banned.remove(i);
-    }
 }
 
 /// What can be done next, the most probable first; hovering points out where.
 fn suggestions(ui: &mut Ui, state: &mut EditorState, now: usize) {
-    title(ui, "What comes next");
+    ui.horizontal(|ui| {
+        title(ui, "What comes next");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let tip = "The graph that these numbers come from, and where things lie: as plots";
+            if ui.small_button("Why so probable?").on_hover_text(tip).clicked() {
+                state.overlay = Overlay::Learned(None);
+            }
+        });
+    });
     let suggestions = state.living.tree[now].lived.suggestions();
     if suggestions.is_empty() {
         empty(ui, "Nothing that is known can be done in this room. See below, and why.");
@@ -180,9 +174,12 @@ fn suggestion_row(ui: &mut Ui, suggestion: &Suggestion, most: f64, enabled: bool
     painter.rect_filled(rect, 3.0, back);
     painter.rect_filled(bar, 3.0, accent.gamma_multiply(if response.hovered() { 0.4 } else { 0.22 }));
     let font = egui::FontId::proportional(12.5);
-    let text = painter.with_clip_rect(rect.with_max_x(rect.right() - 42.0));
-    let left = rect.left_center() + vec2(6.0, 0.0);
-    text.text(left, egui::Align2::LEFT_CENTER, &suggestion.action, font, visuals.text_color());
+    let mut job =
+        egui::text::LayoutJob::simple_singleline(suggestion.action.clone(), font, visuals.text_color());
+    job.wrap = egui::text::TextWrapping::truncate_at_width(rect.width() - 52.0);
+    let galley = painter.layout_job(job);
+    let left = rect.left_center() + vec2(6.0, -0.5 * galley.size().y);
+    painter.galley(left, galley, visuals.text_color());
     painter.text(
         rect.right_center() - vec2(6.0, 0.0),
         egui::Align2::RIGHT_CENTER,
@@ -214,6 +211,12 @@ fn replay(ui: &mut Ui, state: &mut EditorState) {
     }
 }
 
+/// What was asked of a row of the tree.
+enum Wanted {
+    GoTo(usize),
+    Beside(usize),
+}
+
 /// Every state that was reached, branches indented; a click goes there.
 fn tree(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
     let mut wanted = None;
@@ -222,8 +225,12 @@ fn tree(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
             tree_row(ui, state, root, 0, now, &mut wanted);
         }
     }
-    if let Some(node) = wanted {
-        state.show_life(node);
+    match wanted {
+        Some(Wanted::GoTo(node)) => {
+            state.show_life(node);
+        }
+        Some(Wanted::Beside(node)) => state.toggle_beside(node),
+        None => {}
     }
 }
 
@@ -233,20 +240,27 @@ fn tree_row(
     node: usize,
     depth: usize,
     now: Option<usize>,
-    wanted: &mut Option<usize>,
+    wanted: &mut Option<Wanted>,
 ) {
-    let of = &state.living.tree[node];
-    let what = of.step.as_ref().map_or("the room as it was", |step| step.action.as_str());
-    let roll = if of.roll > 0 { format!(" (outcome {})", of.roll + 1) } else { String::new() };
-    let number = of.lived.step_count();
+    let text = state.life_label(node);
     ui.push_id(("life", node), |ui| {
         ui.horizontal(|ui| {
             ui.add_space(12.0 * depth as f32);
-            let width = ui.available_width();
-            let text = format!("{number}  {what}{roll}");
-            let button = Button::selectable(now == Some(node), (text, egui::Atom::grow())).truncate();
-            if ui.add(button.min_size(vec2(width, 20.0))).on_hover_text("Go there").clicked() {
-                *wanted = Some(node);
+            let width = ui.available_width() - 26.0;
+            let tip = format!("{text}\nClick to go there");
+            let button = Button::selectable(now == Some(node), (&*text, egui::Atom::grow())).truncate();
+            if ui.add(button.min_size(vec2(width, 20.0))).on_hover_text(tip).clicked() {
+                *wanted = Some(Wanted::GoTo(node));
+            }
+            if now == Some(node) {
+                return;
+            }
+            let (name, strength) = match state.living.beside == Some(node) {
+                true => (format!("No longer beside: {text}"), 1.0),
+                false => (format!("Show beside: {text}"), 0.35),
+            };
+            if icons::button(ui, Icon::Beside, &name, strength).clicked() {
+                *wanted = Some(Wanted::Beside(node));
             }
         });
     });
