@@ -22,6 +22,8 @@ pub const RING_M: f32 = 0.5;
 const CELLS: usize = 72;
 /// Nearer to the pole than this the density of an area has no bound, metres.
 const POLE_M: f32 = 0.05;
+/// Width of a plot's soft rim, metres.
+const RIM_M: f32 = 0.06;
 /// Plots of one node.
 const MOST_PLOTS: usize = 15;
 /// A place must have so much of the highest density's root to be painted.
@@ -136,7 +138,9 @@ fn picture(density: &PolarDensity) -> Shown {
     let most = sorted.get(sorted.len() * 99 / 100).copied().unwrap_or(1.0).max(f32::MIN_POSITIVE);
     Shown::of_shares(CELLS, |column, row| {
         let share = (values[row * CELLS + column] / most).min(1.0).sqrt();
-        if share > LEAST_SHARE { share } else { 0.0 }
+        // The rim is soft: hard cells would stand out of the circle.
+        let rim = ((REACH_M - place(column).hypot(place(row))) / RIM_M).clamp(0.0, 1.0);
+        if share > LEAST_SHARE { share * rim } else { 0.0 }
     })
 }
 

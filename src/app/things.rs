@@ -40,6 +40,8 @@ pub struct Look {
 pub struct Things {
     /// Letters that a kind's name must have to be listed.
     pub query: String,
+    /// The list is unfolded when it is first shown.
+    pub unfolded: bool,
     /// Where the user's own things are kept; they last for this session only when `None`.
     pub folder: Option<PathBuf>,
     /// The thing that is being added.

@@ -56,7 +56,7 @@ fn beside_bars(ui: &mut Ui, state: &mut EditorState, [left, right]: [Rect; 2], o
         (left, now, "Keep this one", &mut keep),
         (right, state.life_label(other), "Choose this one", &mut choose),
     ] {
-        let bar = rect.shrink(6.0).with_max_y(rect.top() + 32.0);
+        let bar = rect.shrink(6.0).with_min_y(rect.bottom() - 40.0);
         ui.scope_builder(egui::UiBuilder::new().max_rect(bar), |ui| {
             egui::Frame::popup(ui.style()).inner_margin(4).shadow(egui::Shadow::NONE).show(ui, |ui| {
                 ui.horizontal(|ui| {

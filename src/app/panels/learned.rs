@@ -12,10 +12,10 @@ use crate::evolve::action::{ActionKind, ActionNode};
 /// Width of the list of nodes.
 const LIST: f32 = 300.0;
 /// Least width of a plot.
-const PLOT: f32 = 172.0;
+const PLOT: f32 = 148.0;
 /// Of each node's successors so many are drawn: all edges of twenty nodes would be a blot.
 const SUCCESSORS: usize = 5;
-/// Named of those of the node that is pointed at.
+/// Of those of the node that is pointed at so many are drawn and named.
 const NAMED: usize = 6;
 
 /// Draws the page: the graph, or one node.
@@ -67,35 +67,35 @@ fn list(ui: &mut Ui, state: &mut EditorState, learned: &Learned, chosen: Option<
                     ui.spacing_mut().item_spacing.x = 5.0;
                     let (dot, _) = ui.allocate_exact_size(vec2(10.0, 18.0), Sense::hover());
                     ui.painter().circle_filled(dot.center(), 4.0, kind_color(ui, node.kind));
-                    let doubts: Vec<&str> = learned.warnings_of(&label).collect();
-                    let width = ui.available_width() - 52.0;
+                    count(ui, node.instances, &learned.warnings_of(&label).collect::<Vec<&str>>());
+                    let width = ui.available_width() - 8.0;
                     let button =
                         egui::Button::selectable(chosen == Some(number), (&*label, egui::Atom::grow()));
                     let response = ui.add(button.truncate().min_size(vec2(width, 19.0)));
-                    let marked = state.learned.pointed_at == Some(number) && chosen.is_none();
-                    if marked {
-                        let rect = response.rect;
-                        ui.painter().rect_stroke(rect, 4.0, Stroke::new(1.0, warn), egui::StrokeKind::Inside);
+                    if state.learned.pointed_at == Some(number) && chosen.is_none() {
+                        let rim = Stroke::new(1.0, warn);
+                        ui.painter().rect_stroke(response.rect, 4.0, rim, egui::StrokeKind::Inside);
                     }
                     if response.hovered() {
                         pointed = Some(number);
                     }
-                    let tip = format!("{label}\n{} photos of people", node.instances);
-                    if response.on_hover_text(tip).clicked() {
+                    if response.on_hover_text(&label).clicked() {
                         state.overlay = Overlay::Learned(Some(number));
                     }
-                    let count = RichText::new(format!("{:>3}", node.instances)).monospace().small();
-                    let count = if doubts.is_empty() { count.weak() } else { count.color(warn) };
-                    ui.label(count).on_hover_text(if doubts.is_empty() {
-                        "Photos of people that this rests on".to_owned()
-                    } else {
-                        doubts.join("\n")
-                    });
                 });
             });
         }
     });
     pointed
+}
+
+/// How many photos a node rests on, marked where that is doubtful.
+fn count(ui: &mut Ui, instances: usize, doubts: &[&str]) {
+    let text = RichText::new(format!("{instances:>3}")).monospace().small();
+    let warn = theme::palette(ui.visuals()).warn;
+    let text = if doubts.is_empty() { text.weak() } else { text.color(warn) };
+    let tip = format!("{instances} people in photos\n{}", doubts.join("\n"));
+    ui.label(text).on_hover_text(tip.trim_end());
 }
 
 fn row_button<'a>(chosen: bool, text: &'a str, ui: &Ui) -> egui::Button<'a> {
@@ -156,7 +156,8 @@ fn edges(ui: &Ui, learned: &Learned, places: &[Pos2], middle: Pos2, shown: Optio
         let chosen = shown == Some(from);
         let faint = shown.is_some() && !chosen;
         let color = kind_color(ui, node.kind);
-        for (to, probability) in successors(learned, from).into_iter().take(SUCCESSORS) {
+        let drawn = if chosen { NAMED } else { SUCCESSORS };
+        for (to, probability) in successors(learned, from).into_iter().take(drawn) {
             let share = (probability / most) as f32;
             let strength = if faint { 0.06 } else { 0.25 + 0.6 * share };
             let stroke = Stroke::new(if chosen { 1.0 + 3.0 * share } else { 0.6 + 1.8 * share }, color);
@@ -234,7 +235,7 @@ fn one(ui: &mut Ui, state: &mut EditorState, learned: &Learned, number: usize, n
     }
     ScrollArea::vertical().id_salt(("node", number)).auto_shrink(false).show(ui, |ui| {
         follows(ui, state, learned, number);
-        super::title(ui, "Where: from above, darker or brighter is likelier; rings are half a metre apart");
+        super::title(ui, "Where, from above; rings are half a metre apart");
         plots(ui, state.learned.plots(learned, number));
         super::title(ui, "How many");
         counts(ui, node);

@@ -7,6 +7,7 @@ use egui::{
 use super::{empty, title};
 use crate::app::icons::{self, Icon};
 use crate::app::jobs::JobKind;
+use crate::app::lived::Touched;
 use crate::app::state::{EditorState, Overlay};
 use crate::app::theme;
 use crate::document::Command;
@@ -17,7 +18,7 @@ const FIRST: usize = 7;
 
 /// Draws the panel.
 pub fn living(ui: &mut Ui, state: &mut EditorState) {
-    state.living.pointed_out.clear();
+    let pointed_out = std::mem::take(&mut state.living.pointed_out);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let now = state.life_now();
         head(ui, state, now);
@@ -35,6 +36,10 @@ pub fn living(ui: &mut Ui, state: &mut EditorState) {
             last_step(ui, state, now);
         }
     });
+    if state.living.pointed_out != pointed_out {
+        // The view was drawn before this panel: it shows them in the next frame.
+        ui.ctx().request_repaint();
+    }
 }
 
 fn head(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
@@ -234,6 +239,27 @@ fn tree(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
     }
 }
 
+/// A row of the tree from the right edge on; what was asked of it.
+fn tree_row_widgets(ui: &mut Ui, state: &EditorState, node: usize, is_now: bool) -> Option<Wanted> {
+    let text = state.life_label(node);
+    let mut wanted = None;
+    if is_now {
+        ui.add_space(26.0);
+    } else {
+        let (name, strength) = match state.living.beside == Some(node) {
+            true => (format!("No longer beside: {text}"), 1.0),
+            false => (format!("Show beside: {text}"), 0.45),
+        };
+        if icons::button(ui, Icon::Beside, &name, strength).clicked() {
+            wanted = Some(Wanted::Beside(node));
+        }
+    }
+    if filling(ui, is_now, &text).on_hover_text(format!("{text}\nClick to go there")).clicked() {
+        wanted = Some(Wanted::GoTo(node));
+    }
+    wanted
+}
+
 fn tree_row(
     ui: &mut Ui,
     state: &EditorState,
@@ -242,26 +268,14 @@ fn tree_row(
     now: Option<usize>,
     wanted: &mut Option<Wanted>,
 ) {
-    let text = state.life_label(node);
     ui.push_id(("life", node), |ui| {
         ui.horizontal(|ui| {
             ui.add_space(12.0 * depth as f32);
-            let width = ui.available_width() - 26.0;
-            let tip = format!("{text}\nClick to go there");
-            let button = Button::selectable(now == Some(node), (&*text, egui::Atom::grow())).truncate();
-            if ui.add(button.min_size(vec2(width, 20.0))).on_hover_text(tip).clicked() {
-                *wanted = Some(Wanted::GoTo(node));
-            }
-            if now == Some(node) {
-                return;
-            }
-            let (name, strength) = match state.living.beside == Some(node) {
-                true => (format!("No longer beside: {text}"), 1.0),
-                false => (format!("Show beside: {text}"), 0.35),
-            };
-            if icons::button(ui, Icon::Beside, &name, strength).clicked() {
-                *wanted = Some(Wanted::Beside(node));
-            }
+            row_with_icons(ui, 20.0, |ui| {
+                if let Some(asked) = tree_row_widgets(ui, state, node, now == Some(node)) {
+                    *wanted = Some(asked);
+                }
+            });
         });
     });
     let children: Vec<usize> =
@@ -281,38 +295,50 @@ fn last_step(ui: &mut Ui, state: &mut EditorState, now: usize) {
         ui.weak("Nothing had to come or to move.");
     }
     for (i, thing) in step.touched.iter().enumerate() {
-        let locked = state.document.scene().room.object(thing.id).is_some_and(|object| object.locked);
-        ui.push_id(("touched", i), |ui| {
-            ui.horizontal(|ui| {
-                let width = ui.available_width() - 50.0;
-                let text = (thing.line.as_str(), egui::Atom::grow());
-                let button = Button::selectable(false, text).truncate().min_size(vec2(width, 19.0));
-                let response = ui.add(button).on_hover_text(format!("{}. Click to see it", thing.line));
-                if response.hovered() {
-                    state.living.pointed_out.push(thing.id);
-                }
-                if response.clicked() {
-                    state.look_at_object(thing.id);
-                }
-                let (icon, verb, strength) =
-                    if locked { (Icon::Lock, "Unlock", 0.9) } else { (Icon::Unlock, "Lock", 0.3) };
-                if icons::button(ui, icon, &format!("{verb} {}", thing.line), strength).clicked() {
-                    state.apply(Command::SetObjectsLocked(vec![thing.id], !locked));
-                }
-                if !thing.kind.is_empty() {
-                    let name = format!("Never bring: {}", thing.kind);
-                    if icons::button(ui, Icon::Close, &name, 0.5).clicked() {
-                        state.ban_kind(&thing.kind);
-                    }
-                }
-            });
-        });
+        ui.push_id(("touched", i), |ui| row_with_icons(ui, 19.0, |ui| touched(ui, state, thing)));
     }
     for failed in &step.failed {
         ui.label(RichText::new(failed).small().color(palette.warn));
     }
     if state.living.marks {
         legend(ui);
+    }
+}
+
+/// A row whose icons stand at the right edge; what is added last fills what is left.
+fn row_with_icons(ui: &mut Ui, height: f32, contents: impl FnOnce(&mut Ui)) {
+    let size = vec2(ui.available_width(), height);
+    ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), contents);
+}
+
+/// A button that fills a row; its text is cut where it is too long.
+fn filling(ui: &mut Ui, marked: bool, text: &str) -> egui::Response {
+    let button = Button::selectable(marked, (text, egui::Atom::grow())).truncate();
+    ui.add(button.min_size(vec2(ui.available_width(), 19.0)))
+}
+
+/// One thing that the last action brought or moved, from the right edge on.
+fn touched(ui: &mut Ui, state: &mut EditorState, thing: &Touched) {
+    if thing.kind.is_empty() {
+        ui.add_space(26.0);
+    } else {
+        let name = format!("Never bring: {}", thing.kind);
+        if icons::button(ui, Icon::Ban, &name, 0.5).clicked() {
+            state.ban_kind(&thing.kind);
+        }
+    }
+    let locked = state.document.scene().room.object(thing.id).is_some_and(|object| object.locked);
+    let (icon, verb, strength) =
+        if locked { (Icon::Lock, "Unlock", 0.9) } else { (Icon::Unlock, "Lock", 0.3) };
+    if icons::button(ui, icon, &format!("{verb} {}", thing.line), strength).clicked() {
+        state.apply(Command::SetObjectsLocked(vec![thing.id], !locked));
+    }
+    let response = filling(ui, false, &thing.line).on_hover_text(format!("{}. Click to see it", thing.line));
+    if response.hovered() {
+        state.living.pointed_out.push(thing.id);
+    }
+    if response.clicked() {
+        state.look_at_object(thing.id);
     }
 }
 

@@ -20,7 +20,7 @@ const PICTURE: f32 = 40.0;
 /// Most of a kind that a room may be said to take.
 const MOST: usize = 99;
 /// The list is as high as so many rows.
-const ROWS: f32 = 7.0;
+const ROWS: f32 = 5.5;
 /// Files that a thing may come from.
 pub const THING_FILES: [&str; 4] = ["glb", "gltf", "obj", "ply"];
 
@@ -34,7 +34,8 @@ pub fn may_be_a_thing(path: &Path) -> bool {
 pub fn things(ui: &mut Ui, state: &mut EditorState) {
     let kinds = state.thing_kinds();
     let title = format!("Things ({})", kinds.len());
-    CollapsingHeader::new(title).id_salt("things").show(ui, |ui| {
+    let header = CollapsingHeader::new(title).id_salt("things").default_open(state.things.unfolded);
+    header.show(ui, |ui| {
         ui.horizontal(|ui| {
             let width = ui.available_width() - 92.0;
             let query =
@@ -90,9 +91,11 @@ fn row(ui: &mut Ui, state: &mut EditorState, kind: &ThingKind) {
         });
     });
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let verb = if banned { "Allow" } else { "Never bring" };
+        // The scroll bar lies over the edge.
+        ui.add_space(6.0);
+        let verb = if banned { "Allow" } else { "Ban" };
         let strength = if banned { 1.0 } else { 0.35 };
-        if icons::button(ui, Icon::Ban, &format!("{verb}: {}", kind.kind), strength).clicked() {
+        if icons::button(ui, Icon::Ban, &format!("{verb} {}", kind.kind), strength).clicked() {
             if banned {
                 state.living.choice.banned.retain(|name| *name != kind.kind);
             } else {
@@ -182,7 +185,7 @@ pub fn add_thing(ctx: &Context, state: &mut EditorState) {
         return;
     };
     let (mut add, mut leave) = (false, false);
-    let response = Modal::new(Id::unique("add thing")).show(ctx, |ui| {
+    Modal::new(Id::unique("add thing")).show(ctx, |ui| {
         ui.set_width(340.0_f32.min(ctx.content_rect().width() - 60.0));
         ui.heading("Add a thing of yours");
         preview(ui, &form);
@@ -202,22 +205,28 @@ pub fn add_thing(ctx: &Context, state: &mut EditorState) {
     if add {
         state.things.form = Some(form);
         state.add_thing();
-    } else if leave || response.should_close() {
+    } else if leave {
         state.overlay = Overlay::None;
     } else {
+        // A click beside it does not throw away what was typed; Escape does.
         state.things.form = Some(form);
     }
 }
 
 fn preview(ui: &mut Ui, form: &ThingForm) {
     let side = ui.available_width().min(240.0);
-    ui.vertical_centered(|ui| match &form.look {
-        Some((_, picture)) => {
-            picture.show(ui, vec2(side, side), Sense::hover(), "The thing, seen by somebody before it");
+    ui.vertical_centered(|ui| {
+        let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Image, true, "The thing, seen by somebody before it")
+        });
+        ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+        let fresh = form.look.as_ref().is_some_and(|(of, _)| *of == form.attitude);
+        if let Some((_, picture)) = &form.look {
+            let tint = if fresh { 255 } else { 110 };
+            picture.paint_tinted(ui, rect, egui::Color32::from_white_alpha(tint));
         }
-        None => {
-            let (rect, _) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
-            ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+        if !fresh {
             let middle = egui::Rect::from_center_size(rect.center(), vec2(28.0, 28.0));
             egui::Spinner::new().size(28.0).paint_at(ui, middle);
         }
