@@ -27,14 +27,18 @@ const SPEED_M_PER_S: f32 = 0.6;
 const LEAST_STAY_S: f32 = 2.0;
 const STANDING_S: f32 = 2.5;
 /// Places of a kind that are tried before the tour goes on without.
-const TRIES: usize = 40;
+const TRIES: usize = 24;
 /// Places that can be reached at which a body is tried before the tour goes on without.
-const BODIES: usize = 8;
+const BODIES: usize = 6;
 /// What facing away from the back, lying or sitting along the edges, and coming in from the front rather than squeezing
 /// in at a table, are worth against a place's own weight.
 const AWAY: f32 = 1.0;
 const STRAIGHT: f32 = 0.4;
 const IN_FRONT: f32 = 0.3;
+/// What squeezing through on the way to a seat costs.
+const SQUEEZE: f32 = 0.8;
+/// Who faces away from the back within 60 degrees sits at the front of a sofa.
+const FRONT: f32 = 0.5;
 /// Directions are the same when their cosine is above this: within six degrees.
 const SAME: f32 = 0.9945;
 /// Farther than this from a border nobody cares how far, metres.
@@ -175,10 +179,11 @@ impl Guide<'_> {
         found.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
         spread(&mut found);
         let reached = |place: &Place| {
-            let stance = self.stance(place, from)?;
+            let (stance, squeezes) = self.stance(place, from)?;
             let in_front = matches!(stance.side, Side::Front | Side::Ahead);
             let room_m = self.planner.floor().clearance_at(flat(stance.at)).min(INSIDE_M);
-            let rank = rank(place) + room_m + if in_front { IN_FRONT } else { 0.0 };
+            let way = if in_front { IN_FRONT } else { 0.0 } - if squeezes { SQUEEZE } else { 0.0 };
+            let rank = rank(place) + room_m + way;
             Some((rank, self.visit(place, GoalPose::Sit, facing_of(place.facing), stance.spot())))
         };
         let mut visits: Vec<(f32, Visit)> = found.into_iter().take(TRIES).filter_map(reached).collect();
@@ -211,8 +216,8 @@ impl Guide<'_> {
         Visit { at: place.under_pelvis, facing, pose, spot, support: place.support }
     }
 
-    /// Where one stands before a seat, if one can get there.
-    fn stance(&self, place: &Place, from: &Spot) -> Option<Stance> {
+    /// Where one stands before a seat, if one can get there, and whether one squeezes through on the way.
+    fn stance(&self, place: &Place, from: &Spot) -> Option<(Stance, bool)> {
         let feet = flat(place.under_pelvis) + place.facing * SHINS_M.0;
         let foot = FootPlace { at: self.planner.on_floor(feet), heading: facing_of(place.facing) };
         let seated = Seated {
@@ -220,8 +225,11 @@ impl Guide<'_> {
             facing: facing_of(place.facing),
             feet: [foot, foot],
         };
-        let reached = |s: &Stance| self.planner.way(from, &s.spot(), &[]).is_ok();
-        stances(&self.planner, &seated).into_iter().find(reached)
+        let reached = |s: Stance| {
+            let way = self.planner.way(from, &s.spot(), &[]).ok()?;
+            Some((s, way.squeeze.is_some()))
+        };
+        stances(&self.planner, &seated).into_iter().find_map(reached)
     }
 
     /// The best place to lie on the back where one can sit on the edge first: a bed, else whatever is long enough.
@@ -238,14 +246,19 @@ impl Guide<'_> {
         found.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
         spread(&mut found);
         let reached = |lie: &Place| {
+            // Onto a sofa one gets from its front alone.
+            let sofa = self.category(lie) != Some(Category::Bed);
             let edges = places.iter().filter(|p| {
-                p.support == lie.support && p.family.group() == "sit" && p.family != PoseFamily::SitStraight
+                p.support == lie.support
+                    && p.family.group() == "sit"
+                    && p.family != PoseFamily::SitStraight
+                    && (!sofa || away_from_back(self.geometry, p) > FRONT)
             });
             let cost = |p: &Place| edge_cost(self.geometry, p, lie.under_pelvis);
             let mut edges: Vec<&Place> = edges.collect();
             edges.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
             spread(&mut edges);
-            let stance = edges.into_iter().take(4).find_map(|edge| self.stance(edge, from))?;
+            let (stance, _) = edges.into_iter().take(4).find_map(|edge| self.stance(edge, from))?;
             // One lies along the bed, wherever its middle axis leads, else as the place says.
             let along = along_edges(self.geometry, lie).0;
             let visit = |head: Vec2| self.visit(lie, GoalPose::Lie, facing_of(-head), stance.spot());
