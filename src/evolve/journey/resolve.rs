@@ -186,16 +186,26 @@ impl<'a> Resolver<'a> {
         &self.places
     }
 
-    /// What speaks against a body at the very point of a sub-goal: 0 for nothing, infinity where none is met there.
-    pub fn fault(&self, goal: &SubGoal, ticker: &Ticker) -> Result<f32, Cancelled> {
+    /// What speaks against a body at the very point of a sub-goal for who comes from somewhere: 0 for nothing, infinity
+    /// where none is met there or nobody gets to it.
+    pub fn fault(&self, goal: &SubGoal, from: &Spot, ticker: &Ticker) -> Result<f32, Cancelled> {
         let near = self.near_places(goal, if goal.pose == GoalPose::Lie { "lie" } else { "sit" });
         let Some(place) = near.first() else { return Ok(f32::INFINITY) };
         let found = self.candidate(goal, place, true, self.seed, false, ticker)?;
-        Ok(match (found.clean, found.met) {
-            (true, _) => 0.0,
-            (false, true) => found.badness,
-            _ => f32::INFINITY,
+        let reached = goal.pose == GoalPose::Lie || self.is_reached(&self.frame(&found.params), from);
+        Ok(match (reached && found.met, found.clean) {
+            (true, true) => 0.0,
+            (true, false) => found.badness,
+            (false, _) => f32::INFINITY,
         })
+    }
+
+    /// Whether one can walk to where one sits down into a body.
+    fn is_reached(&self, sits: &Frame, from: &Spot) -> bool {
+        let planner = Planner::new(self.cast.geometry, PlanConfig::default());
+        let joints = figure(self.cast.body, &self.cast.request.betas, sits);
+        let seated = self.seated(&planner, sits, place_of(&joints, sits, GoalPose::Sit));
+        stances(&planner, &seated).iter().any(|s| planner.way(from, &s.spot(), &[]).is_ok())
     }
 
     /// Every sub-goal that has a place, and why the others have none. `quick` leaves bodies as they were settled.

@@ -144,10 +144,10 @@ impl Guide<'_> {
 
     /// The first of the visits against whose body nothing speaks, else that with the least faults among those whose body
     /// is where it should be.
-    fn held(&self, visits: Vec<Visit>) -> Result<Option<Visit>, Cancelled> {
+    fn held(&self, visits: Vec<Visit>, from: &Spot) -> Result<Option<Visit>, Cancelled> {
         let mut best = (usize::MAX, f32::INFINITY);
         for (index, visit) in visits.iter().take(BODIES).enumerate() {
-            let fault = self.bodies.fault(&sub_goal(SubGoalId(0), visit, 0.0), self.ticker)?;
+            let fault = self.bodies.fault(&sub_goal(SubGoalId(0), visit, 0.0), from, self.ticker)?;
             if fault < best.1 {
                 best = (index, fault);
             }
@@ -188,7 +188,7 @@ impl Guide<'_> {
         };
         let mut visits: Vec<(f32, Visit)> = found.into_iter().take(TRIES).filter_map(reached).collect();
         visits.sort_by(|a, b| b.0.total_cmp(&a.0));
-        self.held(visits.into_iter().map(|(_, visit)| visit).collect())
+        self.held(visits.into_iter().map(|(_, visit)| visit).collect(), from)
     }
 
     /// How far a place is from the border of what it is on, at most [`INSIDE_M`], metres.
@@ -269,7 +269,7 @@ impl Guide<'_> {
             })
         };
         let visits = found.into_iter().take(TRIES).filter_map(reached).flatten().take(BODIES).collect();
-        self.held(visits)
+        self.held(visits, from)
     }
 
     /// Somewhere to stand and look at something on a wall.
