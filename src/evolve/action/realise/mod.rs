@@ -22,9 +22,12 @@ mod furnish;
 mod library;
 mod measure;
 mod perform;
+mod placing;
 mod scene_state;
 mod shape;
+mod solid;
 mod spot;
+mod squares;
 mod stage;
 mod step;
 #[cfg(test)]
