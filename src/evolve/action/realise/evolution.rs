@@ -305,6 +305,11 @@ impl Evolution {
         self.world.lock(id, locked);
     }
 
+    /// What the user decided.
+    pub fn config(&self) -> &EvolutionConfig {
+        &self.config
+    }
+
     /// Other decisions of the user from here on.
     #[must_use]
     pub fn with_config(&self, config: EvolutionConfig) -> Self {

@@ -36,7 +36,7 @@ mod wanted;
 mod world;
 mod zone;
 
-pub use embody::{Embodied, embody};
+pub use embody::{Embodied, embody, embody_as};
 pub use evolution::{Evolution, EvolutionConfig, GroupMode, NotPossible, Off, Suggestion};
 pub use figure::Spot;
 pub use library::{Companion, Faces, Ground, Kind, KindId, Library, LibraryError, Thing};
