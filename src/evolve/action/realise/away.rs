@@ -1,6 +1,7 @@
 //! What is in the way goes as near as there is room (ADSE §5.2, eq. 11): on the surfaces that suit it, then on a
 //! stack, then on the floor.
 
+use std::collections::HashSet;
 use std::f32::consts::PI;
 use std::sync::Arc;
 
@@ -9,6 +10,7 @@ use rand::RngExt as _;
 
 use super::library::{Ground, Kind, Library};
 use super::placing::{Avoid, Onto, Rest};
+use super::shape::Shape;
 use super::step::{Candidates, MoveReason, Sample, Verdict};
 use super::world::{Ball, Held, Item, Lifted, Pose, World, flat};
 use super::zone::Zone;
@@ -16,9 +18,12 @@ use crate::job::Rng;
 
 /// ADSE §5.2: places drawn for one thing.
 pub const AWAY_SAMPLES: usize = 10_000;
-/// ADSE §5.2: places looked at closely in vain before an earlier decision is revised. Those that are plainly taken don't
-/// count.
-pub const MOST_FAILURES: usize = 2000;
+/// Places looked at closely in vain before an earlier decision is revised. ADSE §5.2 has 2,000, and counts all; those
+/// that are plainly taken, or beside one that failed, don't count here.
+const MOST_FAILURES: usize = 800;
+/// Places in one square of the plan fail together; its side is this share of the thing's reach, within these metres.
+const BESIDE: f32 = 0.12;
+const BESIDE_M: std::ops::Range<f32> = 0.015..0.05;
 /// Of these, a search of one kind (near by, anywhere) takes this share of what is left, so that the next has some too.
 const AT_ONCE: usize = 2;
 /// Share of the places that is drawn near by, where most things end.
@@ -57,6 +62,35 @@ pub struct Away<'a> {
     pub balls: &'a [Ball],
     /// Things that are lifted for the moment.
     pub lifted: &'a Lifted,
+}
+
+/// A cell of a surface, by the surface's number.
+type Cell = (usize, Vec3);
+
+/// Squares of surfaces in which a place was tried in vain: another in the same square would fail too, as a rule.
+struct Failed {
+    square_m: f32,
+    squares: HashSet<(usize, i32, i32)>,
+}
+
+impl Failed {
+    fn of(shape: &Shape) -> Self {
+        let square_m = (shape.reach_m * BESIDE).clamp(BESIDE_M.start, BESIDE_M.end);
+        Self { square_m, squares: HashSet::new() }
+    }
+
+    fn square(&self, surface: usize, at: Vec3) -> (usize, i32, i32) {
+        let square = (flat(at) / self.square_m).floor().as_ivec2();
+        (surface, square.x, square.y)
+    }
+
+    fn is_beside(&self, surface: usize, at: Vec3) -> bool {
+        self.squares.contains(&self.square(surface, at))
+    }
+
+    fn add(&mut self, surface: usize, at: Vec3) {
+        self.squares.insert(self.square(surface, at));
+    }
 }
 
 /// Places that were tried for one thing.
@@ -114,47 +148,57 @@ impl Away<'_> {
         rng: &mut Rng,
         tries: &mut Tries,
     ) -> Option<Rest> {
-        let mut drawn = self.draw(item, allowed, reach, rng);
-        drawn.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.x.total_cmp(&b.2.x)).then(a.2.z.total_cmp(&b.2.z)));
-        let avoid = Avoid { lifted: self.lifted, balls: self.balls };
+        let (cells, nearby) = self.cells(item, allowed, reach);
+        let near_count = if nearby.is_empty() { 0 } else { (AWAY_SAMPLES as f32 * NEARBY) as usize };
         let least = tries.left - tries.left / AT_ONCE;
-        for (distance_m, surface, at) in drawn {
-            let soft = self.world.stage.surfaces[surface].soft;
-            let onto = Onto::Surface { number: surface, height_m: at.y, soft };
-            let verdict = self.plainly_not(item, flat(at), onto, reach, &avoid);
-            if let Some(verdict) = verdict {
+        let mut failed = Failed::of(&item.shape);
+        for (cells, count) in [(nearby, near_count), (cells, AWAY_SAMPLES - near_count)] {
+            for (distance_m, surface, at) in self.draw(&cells, count, item.pose.at, rng) {
+                if failed.is_beside(surface, at) {
+                    continue;
+                }
+                let found = self.try_in_turn(item, (surface, at), reach, tries);
+                let verdict = found.err().unwrap_or(Verdict::Taken);
                 tries.samples.push(Sample { at, score: -distance_m, verdict });
-                continue;
-            }
-            let found = self.try_at(item, flat(at), onto, reach, &avoid);
-            let verdict = found.err().unwrap_or(Verdict::Taken);
-            tries.samples.push(Sample { at, score: -distance_m, verdict });
-            if let Ok(rest) = found {
-                return Some(rest);
-            }
-            tries.left -= 1;
-            if tries.left <= least {
-                return None;
+                if found.is_ok() {
+                    return found.ok();
+                }
+                failed.add(surface, at);
+                if tries.left <= least {
+                    return None;
+                }
             }
         }
         None
     }
 
-    /// Places as (distance from where it was, surface, point).
-    fn draw(
+    /// Looks at a place, closely only if it isn't plainly taken.
+    fn try_in_turn(
         &self,
         item: &Item,
-        allowed: &dyn Fn(Ground) -> bool,
+        (surface, at): Cell,
         reach: Reach,
-        rng: &mut Rng,
-    ) -> Vec<(f32, usize, Vec3)> {
+        tries: &mut Tries,
+    ) -> Result<Rest, Verdict> {
+        let avoid = Avoid { lifted: self.lifted, balls: self.balls };
+        let soft = self.world.stage.surfaces[surface].soft;
+        let onto = Onto::Surface { number: surface, height_m: at.y, soft };
+        if let Some(verdict) = self.plainly_not(item, flat(at), onto, reach, &avoid) {
+            return Err(verdict);
+        }
+        let found = self.try_at(item, flat(at), onto, reach, &avoid);
+        tries.left -= usize::from(found.is_err());
+        found
+    }
+
+    /// Where a thing may stand: all cells, and of them those near to where it is.
+    fn cells(&self, item: &Item, allowed: &dyn Fn(Ground) -> bool, reach: Reach) -> (Vec<Cell>, Vec<Cell>) {
         let from = item.pose.at;
         let farthest_m = if reach == Reach::Near { FARTHEST_M } else { f32::INFINITY };
         let height_m = item.shape.bounds.size().y;
-        let (mut cells, mut nearby): (Vec<(usize, Vec3)>, Vec<(usize, Vec3)>) = Default::default();
-        for (number, surface) in
-            self.world.stage.surfaces.iter().enumerate().filter(|(_, s)| allowed(s.ground))
-        {
+        let (mut cells, mut nearby): (Vec<Cell>, Vec<Cell>) = Default::default();
+        let surfaces = self.world.stage.surfaces.iter().enumerate().filter(|(_, s)| allowed(s.ground));
+        for (number, surface) in surfaces {
             for (at, clear_m) in &surface.cells {
                 let distance_m = at.distance(from);
                 let fits = *clear_m > height_m && distance_m < farthest_m;
@@ -166,18 +210,23 @@ impl Away<'_> {
                 }
             }
         }
+        (cells, nearby)
+    }
+
+    /// Places as (distance from where it was, surface, point), the nearest first.
+    fn draw(&self, cells: &[Cell], count: usize, from: Vec3, rng: &mut Rng) -> Vec<(f32, usize, Vec3)> {
         if cells.is_empty() {
             return Vec::new();
         }
-        let near_count = if nearby.is_empty() { 0 } else { (AWAY_SAMPLES as f32 * NEARBY) as usize };
-        let one = |i: usize| {
-            let list = if i < near_count { &nearby } else { &cells };
-            let (surface, cell) = list[rng.random_range(0..list.len())];
+        let one = |_| {
+            let (surface, cell) = cells[rng.random_range(0..cells.len())];
             let half = 0.5 * self.world.stage.surfaces[surface].cell_m;
             let at = cell + Vec3::new(rng.random_range(-half..half), 0.0, rng.random_range(-half..half));
             (at.distance(from), surface, at)
         };
-        (0..AWAY_SAMPLES).map(one).collect()
+        let mut drawn: Vec<(f32, usize, Vec3)> = (0..count).map(one).collect();
+        drawn.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.x.total_cmp(&b.2.x)).then(a.2.z.total_cmp(&b.2.z)));
+        drawn
     }
 
     /// What is known of a place without looking closely.
@@ -205,8 +254,10 @@ impl Away<'_> {
         reach: Reach,
         avoid: &Avoid<'_>,
     ) -> Result<Rest, Verdict> {
-        let rest =
-            self.world.place(&item.shape, at, item.pose.yaw_rad, onto, avoid).map_err(Verdict::from)?;
+        let rest = self
+            .world
+            .place_closely(&item.shape, at, item.pose.yaw_rad, onto, avoid)
+            .map_err(Verdict::from)?;
         if reach != Reach::InTheZone && self.zone.holds(&item.shape, &rest.pose) {
             return Err(Verdict::InTheZone);
         }

@@ -272,10 +272,27 @@ impl World {
         on: Onto,
         avoid: &Avoid<'_>,
     ) -> Result<Rest, Refused> {
-        let nominal = above(at, yaw_rad, on);
         // Most places in a crowd are taken by another thing: that is known soonest.
-        let taken = self.is_plainly_taken(shape, at, yaw_rad, on, avoid)
-            || Self::touches(shape, &nominal, avoid.balls)
+        match self.is_plainly_taken(shape, at, yaw_rad, on, avoid) {
+            true => Err(Refused::Collides),
+            false => self.place_closely(shape, at, yaw_rad, on, avoid),
+        }
+    }
+
+    /// As [`World::place`], where [`World::is_plainly_taken`] was asked already.
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn place_closely(
+        &self,
+        shape: &Shape,
+        at: Vec2,
+        yaw_rad: f32,
+        on: Onto,
+        avoid: &Avoid<'_>,
+    ) -> Result<Rest, Refused> {
+        let nominal = above(at, yaw_rad, on);
+        let taken = Self::touches(shape, &nominal, avoid.balls)
             || runs_into(&self.others_near(shape, &nominal, on, avoid), shape, &nominal);
         if taken {
             return Err(Refused::Collides);
