@@ -43,7 +43,7 @@ pub use library::{Companion, Faces, Ground, Kind, KindId, Library, LibraryError,
 pub use measure::{Interpenetration, PENETRATION_MM, RoomMeasures, measure};
 pub use scene_state::scene_state;
 pub use shape::{Shape, UnderPoint};
-pub use stage::{Found, Stage, Surface};
+pub use stage::{Found, Laid, Stage, Surface};
 pub use step::{Candidates, EvolutionStep, Failed, Inserted, MoveReason, Moved, Sample, StepPerson, Verdict};
 pub use world::{Held, Item, Pose, Source, World};
 pub use zone::Zone;

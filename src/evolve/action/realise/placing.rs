@@ -167,11 +167,12 @@ impl World {
         })
     }
 
-    /// Whether a box is inside the room: within its bounds and not inside of what stays.
+    /// Whether a box is inside the room: over its plan, not below it, and not inside of what stays. Scans have no
+    /// ceiling, so there is no limit above.
     pub fn is_in_the_room(&self, bounds: &Aabb, tolerance_m: f32) -> bool {
         let geometry = &self.stage.geometry;
         let room = geometry.bounds.grown(tolerance_m);
-        let within = room.contains(bounds.min) && room.contains(bounds.max);
+        let within = bounds.min.cmpge(room.min).all() && flat(bounds.max).cmple(flat(room.max)).all();
         within && geometry.field.sample(bounds.center()) >= DEEPEST_M - tolerance_m
     }
 
@@ -385,6 +386,18 @@ mod tests {
         let person = [(Vec3::new(0.3, 0.85, 0.2), 0.1)];
         let beside = Avoid { lifted: &lifted, balls: &person };
         assert_eq!(world.place(&book, Vec2::new(0.3, 0.2), 0.3, onto, &beside), Err(Refused::Collides));
+    }
+
+    #[test]
+    fn what_would_stick_out_of_the_room_is_refused() {
+        let world = world();
+        let onto = Onto::Surface { number: world.stage.floor(), height_m: 0.0, soft: false };
+        let lifted = Lifted::new();
+        let avoid = Avoid { lifted: &lifted, balls: &[] };
+        let case = block(Vec3::new(0.4, 0.3, 0.4));
+        let put = |x: f32| world.place(&case, Vec2::new(x, 0.0), 0.0, onto, &avoid);
+        assert!(put(1.7).is_ok(), "the floor ends at two metres");
+        assert_eq!(put(1.85), Err(Refused::Collides), "three quarters on the floor, the rest outside");
     }
 
     #[test]
