@@ -21,6 +21,7 @@ fn bedroom() -> EvaluationRoom {
         set: "sample rooms".into(),
         room,
         geometry: geometry.expect("not stopped"),
+        images: Vec::new(),
     }
 }
 
@@ -55,7 +56,7 @@ fn search_beats_chance_fitting_helps_and_the_same_seed_gives_the_same_tables() {
     let fitted = row("search", Stage::OurFit);
     assert_eq!(fitted.bodies, 2);
     assert!(fitted.psi_non_collision > 0.97 && fitted.contact_2cm == 1.0, "{fitted:?}");
-    assert!(random.entropy_world_nats > 1.5);
+    assert_eq!(random.entropy_world_nats, None, "24 bodies are too few for 20 clusters");
     assert!(found.of_set("S1", "sample rooms", Stage::Before).is_none());
     assert_eq!(found.missing[0].why, "no weights");
     assert_eq!(found.rows.iter().filter(|r| r.room.as_deref() == Some("bedroom")).count(), 9);

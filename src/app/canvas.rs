@@ -97,13 +97,35 @@ struct Drawn {
     selected: Vec<Item>,
     hovered: Option<Item>,
     pointed_out: Vec<ObjectId>,
-    replayed: Option<usize>,
+    /// A state of the tree of futures instead of the document.
+    life: Option<usize>,
     ghosts: Vec<Person>,
     actors: Vec<Actor>,
     /// The way that is drawn: its clip, by address, and how.
     way: (usize, Trail),
     view: ViewOptions,
     moving: bool,
+}
+
+impl Drawn {
+    /// What every picture of the present view has; nothing is pointed at.
+    fn of_view(state: &EditorState) -> Self {
+        Self {
+            camera: state.orbit.camera(),
+            size: [1, 1],
+            revision: state.document.revision(),
+            heat_ready: state.measurements,
+            selected: Vec::new(),
+            hovered: None,
+            pointed_out: Vec::new(),
+            life: None,
+            ghosts: Vec::new(),
+            actors: Vec::new(),
+            way: (0, Trail::Off),
+            view: state.view.clone(),
+            moving: false,
+        }
+    }
 }
 
 impl Canvas {
@@ -134,6 +156,25 @@ impl Canvas {
 
     /// Shows the scene in `rect`.
     pub fn show(&mut self, ui: &Ui, rect: Rect, state: &EditorState, hovered: Option<Item>) {
+        let of_document = Drawn {
+            selected: state.selection.iter().collect(),
+            hovered,
+            pointed_out: state.living.pointed_out.clone(),
+            life: state.replayed(),
+            ghosts: state.shown_ghosts(),
+            actors: actors::actors(state, hovered),
+            way: actors::way_key(state),
+            ..Drawn::of_view(state)
+        };
+        self.show_as(ui, rect, state, of_document);
+    }
+
+    /// Shows another state of the tree of futures in `rect`, from the same camera.
+    pub fn show_life(&mut self, ui: &Ui, rect: Rect, state: &EditorState, life: usize) {
+        self.show_as(ui, rect, state, Drawn { life: Some(life), ..Drawn::of_view(state) });
+    }
+
+    fn show_as(&mut self, ui: &Ui, rect: Rect, state: &EditorState, wanted: Drawn) {
         let background = theme::palette(ui.visuals()).background;
         let [r, g, b] = background;
         ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
@@ -146,21 +187,8 @@ impl Canvas {
         let busy = state.jobs.populating() || state.motion.player.playing;
         let moving = slow && (is_moving(ui) || busy);
         let coarser = if moving { DRAFT } else { 1 };
-        let wanted = Drawn {
-            camera: state.orbit.camera(),
-            size: size.map(|side| (side / coarser).max(1)),
-            revision: state.document.revision(),
-            heat_ready: state.measurements,
-            selected: state.selection.iter().collect(),
-            hovered,
-            pointed_out: state.living.pointed_out.clone(),
-            replayed: state.replayed().map(|(number, ..)| number),
-            ghosts: state.shown_ghosts(),
-            actors: actors::actors(state, hovered),
-            way: actors::way_key(state),
-            view: state.view.clone(),
-            moving,
-        };
+        let size = size.map(|side| (side / coarser).max(1));
+        let wanted = Drawn { size, moving, ..wanted };
         if let Some(rest) = self.ghosts_may_wait(&wanted, slow) {
             ui.ctx().request_repaint_after(rest);
         } else if self.drawn.as_ref() != Some(&wanted) {
@@ -223,14 +251,18 @@ impl Canvas {
             legend: Shown::No,
             background,
         };
-        let mut selected_objects = state.selection.objects();
+        let objects = wanted.selected.iter().filter_map(|item| match item {
+            Item::Object(id) => Some(*id),
+            _ => None,
+        });
+        let mut selected_objects: Vec<ObjectId> = objects.collect();
         if let Some(Item::Object(id)) = wanted.hovered.filter(|_| state.tool == super::state::Tool::PutHere) {
             selected_objects.push(id);
         }
         selected_objects.extend(&wanted.pointed_out);
         let people = self.people(state, wanted);
-        let room = self.room(state);
-        let lines = actors::way(state);
+        let room = self.room(state, wanted.life);
+        let lines = if wanted.life.is_some() { Vec::new() } else { actors::way(state) };
         SceneDraw { room, body: Some(surface), people, selected_objects, lines, look, ..SceneDraw::default() }
     }
 
@@ -242,14 +274,14 @@ impl Canvas {
             let wanted = only.is_none_or(|only| only.contains(&Item::Person(p.id)));
             p.visible && wanted && !super::motion::moves(&clips, p.id)
         };
-        let replayed = state.replayed().map(|(.., people)| people);
-        let there = replayed.unwrap_or(&state.document.scene().people);
+        let of_life = wanted.life.and_then(|number| state.life_scene(number));
+        let there = of_life.map_or(state.document.scene().people.as_slice(), |(_, people)| people);
         let solid = there.iter().filter(shown).map(|person| {
             let mut draw =
                 PersonDraw::new(person.id, self.pose(&engine, person.id.0, &person.body), person.palette);
             let item = Item::Person(person.id);
-            draw.selected = state.selection.contains(item) || wanted.hovered == Some(item);
-            draw.heat = state.shown_distances_m(person.id);
+            draw.selected = wanted.selected.contains(&item) || wanted.hovered == Some(item);
+            draw.heat = state.shown_distances_m(person.id).filter(|_| of_life.is_none());
             draw
         });
         let mut people: Vec<PersonDraw> = solid.collect();
@@ -296,8 +328,9 @@ impl Canvas {
     }
 
     /// The room without what isolation leaves out; the same `Arc` while nothing changes.
-    fn room(&mut self, state: &EditorState) -> Arc<Room> {
-        let room = state.replayed().map_or(&state.document.scene().room, |(_, room, _)| room);
+    fn room(&mut self, state: &EditorState, life: Option<usize>) -> Arc<Room> {
+        let of_life = life.and_then(|number| state.life_scene(number));
+        let room = of_life.map_or(&state.document.scene().room, |(room, _)| room);
         let Some(only) = &state.view.isolated else { return room.clone() };
         if let Some(filtered) = &self.filtered
             && Arc::ptr_eq(&filtered.of, room)

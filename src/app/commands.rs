@@ -224,6 +224,7 @@ pub const COMMANDS: &[CommandInfo] = commands! {
     "before" Inspect "Before the fit" [NONE B] "Shows the selected person as sampled, before the fit, as a ghost." if people_selected => actions::toggle_before;
     "networks" Inspect "Networks" [] "Training curves and figures of the bundled networks." if always => actions::show_networks;
     "actions" People "Actions..." [] "What can be done in this room next, and what was done." if has_room => |s| s.requests.show_actions = true;
+    "learned" Inspect "What was learned of actions" [] "Which action follows which, how many things they take and where these lie." if always => |s| s.overlay = Overlay::Learned(None);
     "study" Inspect "Human study..." [] "Shows results of several methods blind and in random order; raters score them from 1 to 5." if always => |s| s.overlay = Overlay::Study;
     "measure" Inspect "Measure selected again" [] "Measures the selected people anew." if people_selected => actions::measure_again;
 

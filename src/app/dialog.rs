@@ -40,6 +40,23 @@ pub fn ask_photo(ctx: &egui::Context, keypoints: bool) -> Job<Option<PathBuf>> {
     })
 }
 
+/// Asks for a model that is to be a thing.
+pub fn ask_thing(ctx: &egui::Context) -> Job<Option<PathBuf>> {
+    ask(ctx, "Open dialog", || {
+        rfd::FileDialog::new()
+            .set_title("Choose a thing of yours")
+            .add_filter("Models", &super::panels::THING_FILES)
+            .pick_file()
+    })
+}
+
+/// Asks for a folder of motion clips.
+pub fn ask_clips(ctx: &egui::Context) -> Job<Option<PathBuf>> {
+    ask(ctx, "Folder dialog", || {
+        rfd::FileDialog::new().set_title("Choose a folder of motion clips").pick_folder()
+    })
+}
+
 /// Asks for a folder to export to.
 pub fn ask_folder(ctx: &egui::Context) -> Job<Option<PathBuf>> {
     ask(ctx, "Export dialog", || {

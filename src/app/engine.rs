@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::lived::{ActionChoice, LivedRoom};
+use crate::assets::Model;
 use crate::assets::PersonKeypoints;
 use crate::document::NextIds;
 use crate::document::Project;
@@ -290,6 +291,26 @@ pub struct RoomRequest {
     pub seed: u64,
 }
 
+/// A kind of thing that actions bring.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ThingKind {
+    /// Its name.
+    pub kind: String,
+    /// How many a room takes.
+    pub most: usize,
+    /// How many models of it are bundled.
+    pub models: usize,
+}
+
+/// What a thing looks like.
+#[derive(Clone, Debug)]
+pub struct ThingPicture {
+    /// A small picture of it.
+    pub picture: Picture,
+    /// Width, height and depth in metres.
+    pub size_m: Vec3,
+}
+
 /// One curve of a training.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
@@ -299,7 +320,7 @@ pub struct Curve {
     pub points: Vec<[f64; 2]>,
 }
 
-/// A bundled network and how it came about.
+/// A bundled network and how it came about, or what was measured of several (then without curves).
 #[derive(Clone, Debug, PartialEq)]
 pub struct NetworkCard {
     /// Name for people.
@@ -308,6 +329,8 @@ pub struct NetworkCard {
     pub text: String,
     /// Losses over the epochs.
     pub curves: Vec<Curve>,
+    /// What else was measured on the validation data after each epoch.
+    pub measures: Vec<Curve>,
 }
 
 /// Energies of one fit: name of the term and its value after each iteration.
@@ -407,6 +430,8 @@ pub struct MoveTask {
     pub others: Vec<Arc<Clip>>,
     /// Who stays where they are, and must not be walked into.
     pub people: Vec<Person>,
+    /// Folder of clips to look pieces up in, for [`MotionMethod::Retrieval`].
+    pub clips: Option<PathBuf>,
 }
 
 /// A motion while it is being made: whole, but not as good as it will be.
@@ -607,8 +632,6 @@ pub trait Engine: Send + Sync + 'static {
     fn pose(&self, body: &BodyParams) -> Arc<[Vec3]>;
     /// The same of a motion's frame.
     fn pose_frame(&self, betas: &[f32; BETAS], frame: &Frame) -> Arc<[Vec3]>;
-    /// Which methods can't be used, and why.
-    fn missing_motion_methods(&self) -> Vec<(MotionMethod, String)>;
     /// Makes a motion; previews are the motion as it is so far.
     ///
     /// # Errors
@@ -649,6 +672,23 @@ pub trait Engine: Send + Sync + 'static {
         seed: u64,
         ticker: &Ticker,
     ) -> Result<Arc<dyn LivedRoom>, Stop>;
+    /// The kinds of things that actions bring.
+    fn thing_kinds(&self) -> Vec<ThingKind>;
+    /// Draws the first model of a kind.
+    ///
+    /// # Errors
+    /// Why it can't be drawn; or cancelled.
+    fn thing_picture(&self, kind: &str, ticker: &Ticker) -> Result<ThingPicture, Stop>;
+    /// Reads a model of the user's own, in the file's frame.
+    ///
+    /// # Errors
+    /// What, which file and place, what to do; or cancelled.
+    fn read_thing(&self, path: &Path, ticker: &Ticker) -> Result<Model, Stop>;
+    /// Draws a model in metres, upright, as somebody sees it who stands before it.
+    ///
+    /// # Errors
+    /// Why it can't be drawn; or cancelled.
+    fn model_picture(&self, model: &Model, ticker: &Ticker) -> Result<ThingPicture, Stop>;
     /// How the vertices of [`Engine::pose`] join to triangles.
     fn faces(&self) -> Arc<[[u32; 3]]>;
     /// The surface for the renderer.

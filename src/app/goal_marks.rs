@@ -58,7 +58,7 @@ pub fn marks(ui: &Ui, state: &EditorState, rect: Rect, hovered: Option<Item>) {
         };
         mark(&painter, state, rect, goal, &Look { text, color, marked });
     }
-    reach(&painter, state, rect, palette);
+    reach(&painter, state, rect);
 }
 
 struct Look {
@@ -128,7 +128,8 @@ fn placing(painter: &Painter, state: &EditorState, rect: Rect, palette: &Palette
 }
 
 /// Whether one gets to the sub-goal that was moved last, and what is in the way.
-fn reach(painter: &Painter, state: &EditorState, rect: Rect, palette: &Palette) {
+fn reach(painter: &Painter, state: &EditorState, rect: Rect) {
+    let palette = theme::on_dark();
     let Some((Item::Goal(clip, id), answer)) = &state.motion.reach else { return };
     let Some(at) = state.goal(*clip, *id).and_then(|goal| project(state, rect, goal.at)) else { return };
     let (text, color) = match answer {

@@ -19,6 +19,10 @@ pub enum Icon {
     Close,
     /// A die: another one.
     Dice,
+    /// A crossed circle: never.
+    Ban,
+    /// Two views side by side.
+    Beside,
 }
 
 /// A square button without frame that shows `icon` and is called `name` by screen readers and tooltip.
@@ -84,6 +88,14 @@ pub fn paint(ui: &Ui, icon: Icon, rect: Rect, color: Color32) {
             for (x, y) in [(0.3, 0.3), (0.7, 0.3), (0.5, 0.5), (0.3, 0.7), (0.7, 0.7)] {
                 painter.circle_filled(at(x, y), rect.width() * 0.085, color);
             }
+        }
+        Icon::Ban => {
+            painter.circle_stroke(at(0.5, 0.5), rect.width() * 0.44, stroke);
+            line(vec![at(0.2, 0.8), at(0.8, 0.2)]);
+        }
+        Icon::Beside => {
+            painter.rect_stroke(rect, 1.5, stroke, egui::StrokeKind::Inside);
+            line(vec![at(0.5, 0.0), at(0.5, 1.0)]);
         }
         Icon::Close => {
             line(vec![at(0.15, 0.15), at(0.85, 0.85)]);

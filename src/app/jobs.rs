@@ -13,6 +13,7 @@ use super::rooms;
 use super::samples::{self, Origin};
 use super::selection::Item;
 use super::state::{EditorState, Leaving, Overlay};
+use super::things::ThingJobs;
 use crate::document::Command;
 use crate::document::Document;
 use crate::document::RoomVersion;
@@ -57,6 +58,8 @@ pub enum JobKind {
     ExportMotion,
     /// Looks for actions or does them.
     Act,
+    /// Draws, reads or keeps things.
+    Things,
 }
 
 /// A row of the job list.
@@ -113,6 +116,7 @@ pub struct Jobs {
     pub(super) exporting_motion: Option<(PathBuf, Job<usize>)>,
     pub(super) looking: Option<Looking>,
     pub(super) acting: Option<Acting>,
+    pub(super) things: ThingJobs,
     wanted: Option<Wanted>,
     /// The room whose geometry failed; not tried again until the room changes.
     hopeless: Option<RoomVersion>,
@@ -206,6 +210,12 @@ impl Jobs {
         }
         if let Some(acting) = &self.acting {
             rows.push(row(JobKind::Act, &acting.job));
+        }
+        if let Some(job) = &self.things.pictures {
+            rows.push(row(JobKind::Things, job));
+        }
+        if let Some(job) = &self.things.reading {
+            rows.push(row(JobKind::Things, job));
         }
         rows
     }
@@ -460,6 +470,13 @@ impl EditorState {
             JobKind::ExportMotion => self.jobs.exporting_motion = None,
             JobKind::Act if self.jobs.acting.is_some() => return self.stop_acting(),
             JobKind::Act => self.jobs.looking = None,
+            JobKind::Things => {
+                self.jobs.things.pictures = None;
+                if self.jobs.things.reading.take().is_some() {
+                    self.things.form = None;
+                    self.overlay = Overlay::None;
+                }
+            }
         }
         self.notices.info("Cancelled. Nothing was changed.");
     }
@@ -501,6 +518,7 @@ impl EditorState {
         self.poll_clip_measure();
         self.poll_motion_export();
         self.poll_living();
+        self.poll_things();
         self.poll_study();
         if self.study.is_some() {
             // Nothing is measured while somebody rates: the processor belongs to what is shown.

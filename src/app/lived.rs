@@ -1,10 +1,12 @@
 //! A room that gets lived in, as the window sees it: what can be done next, what an action did, in words and marks.
 //! Behind a trait, so that tests can put a small room in its place.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
+use crate::document::OwnThing;
 use crate::evolve::action::ActionKind;
 use crate::evolve::action::ActionModel;
 use crate::evolve::action::Evolution;
@@ -26,7 +28,7 @@ use crate::scene::PersonId;
 use crate::scene::Room;
 
 /// What the user decides about the actions of a room.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct ActionChoice {
     /// Only these types; all when empty.
     pub only: Vec<ActionKind>,
@@ -38,11 +40,23 @@ pub struct ActionChoice {
     pub group_size: Option<usize>,
     /// Groups share as the baseline of ADSE fig. 8 does: at random.
     pub baseline: bool,
+    /// How many of these kinds a room takes, where that is not the library's number.
+    pub most: BTreeMap<String, usize>,
+    /// Models of the user's own.
+    pub own: Vec<Arc<OwnThing>>,
 }
 
 impl Default for ActionChoice {
     fn default() -> Self {
-        Self { only: Vec::new(), banned: Vec::new(), companions: true, group_size: None, baseline: false }
+        Self {
+            only: Vec::new(),
+            banned: Vec::new(),
+            companions: true,
+            group_size: None,
+            baseline: false,
+            most: BTreeMap::new(),
+            own: Vec::new(),
+        }
     }
 }
 
@@ -144,8 +158,28 @@ fn config(choice: &ActionChoice) -> EvolutionConfig {
         companions: choice.companions,
         group: if choice.baseline { GroupMode::Baseline } else { GroupMode::Shared },
         group_size: choice.group_size,
+        library: library(choice),
         ..EvolutionConfig::usual()
     }
+}
+
+/// The bundled library with other bounds and the user's own models; `None` where it is as it is bundled.
+fn library(choice: &ActionChoice) -> Option<Arc<Library>> {
+    if choice.most.is_empty() && choice.own.is_empty() {
+        return None;
+    }
+    let mut library = (*Library::bundled()).clone();
+    for (kind, most) in &choice.most {
+        if let Some(id) = library.named(kind) {
+            library.set_most(id, *most);
+        }
+    }
+    for thing in &choice.own {
+        if let Some(id) = library.named(&thing.kind) {
+            library.add_model(id, &thing.name, thing.model.clone());
+        }
+    }
+    Some(Arc::new(library))
 }
 
 impl LivedRoom for Real {

@@ -57,6 +57,8 @@ pub struct Living {
     pub pointed_out: Vec<ObjectId>,
     /// The way to the present state is being shown, state by state.
     pub replay: Option<Replay>,
+    /// Another state that is shown beside the present one.
+    pub beside: Option<usize>,
 }
 
 /// States that are shown one after the other; only a way of looking.
@@ -105,6 +107,7 @@ impl Living {
         self.tree.clear();
         self.pointed_out.clear();
         self.replay = None;
+        self.beside = None;
     }
 }
 
@@ -145,11 +148,42 @@ impl EditorState {
         self.living.replay.is_some()
     }
 
-    /// The state that a replay shows now: its number, room and people.
-    pub fn replayed(&self) -> Option<(usize, &Arc<Room>, &[Person])> {
-        let number = self.living.replay.as_ref()?.node()?;
-        let node = self.living.tree.get(number)?;
-        Some((number, &node.room, &node.people))
+    /// The state that a replay shows now.
+    pub fn replayed(&self) -> Option<usize> {
+        self.living.replay.as_ref()?.node().filter(|number| *number < self.living.tree.len())
+    }
+
+    /// Shows a state beside the present one, or no longer.
+    pub fn toggle_beside(&mut self, number: usize) {
+        self.living.beside = if self.living.beside == Some(number) { None } else { Some(number) };
+    }
+
+    /// The state that is shown beside the present one; none while the present one is that.
+    pub fn shown_beside(&self) -> Option<usize> {
+        let number = self.living.beside.filter(|number| *number < self.living.tree.len())?;
+        (self.life_now() != Some(number)).then_some(number)
+    }
+
+    /// Goes to the state that is shown beside, alone.
+    pub fn choose_beside(&mut self) {
+        if let Some(number) = self.shown_beside()
+            && self.show_life(number)
+        {
+            self.living.beside = None;
+        }
+    }
+
+    /// Room and people of a state of the tree.
+    pub fn life_scene(&self, number: usize) -> Option<(&Arc<Room>, &[Person])> {
+        self.living.tree.get(number).map(|node| (&node.room, node.people.as_slice()))
+    }
+
+    /// A state of the tree in words: how many actions there were, and the last one.
+    pub fn life_label(&self, number: usize) -> String {
+        let Some(node) = self.living.tree.get(number) else { return String::new() };
+        let what = node.step.as_ref().map_or("the room as it was", |step| step.action.as_str());
+        let roll = if node.roll > 0 { format!(" (outcome {})", node.roll + 1) } else { String::new() };
+        format!("{}  {what}{roll}", node.lived.step_count())
     }
 
     /// Starts to look at the room as it is: what can be done in it.

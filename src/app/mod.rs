@@ -15,6 +15,7 @@ mod frames;
 mod goal_marks;
 mod icons;
 mod jobs;
+mod learned;
 mod life_marks;
 mod lived;
 mod living;
@@ -40,6 +41,8 @@ mod study;
 #[cfg(test)]
 mod tests;
 mod theme;
+mod thing_pictures;
+mod things;
 mod transform;
 mod viewport;
 mod window;
@@ -54,6 +57,7 @@ pub use state::EditorState;
 
 use crate::document::Settings;
 use crate::document::autosave_path;
+use crate::document::things_folder;
 use real::RealEngine;
 use window::Window;
 
@@ -102,10 +106,12 @@ pub fn run(options: AppOptions) -> anyhow::Result<Option<FrameTimes>> {
     };
     let source = real::source_named(options.project_or_room);
     let create: eframe::AppCreator<'_> = Box::new(move |cc| {
-        let mut window = Window::new(cc, Arc::new(RealEngine)).with_script(script).keeping_times(kept);
+        let mut window =
+            Window::new(cc, Arc::new(RealEngine::default())).with_script(script).keeping_times(kept);
         if !photographs {
             window.remember(Settings::default_path());
             window.keep_safe(autosave_path());
+            window.state.remember_things(things_folder());
         }
         window.state.open(source);
         Ok(Box::new(window))

@@ -2,7 +2,7 @@
 //! panel and the timeline. Runs in jobs but for what says so; may not touch the editor's state.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{Mat3, Quat, Vec2, Vec3};
 
@@ -16,6 +16,7 @@ use crate::body::Body;
 use crate::body::FamilyHints;
 use crate::body::Region;
 use crate::body::amass_motion;
+use crate::body::read_clips;
 use crate::body::rig_motion;
 use crate::body::sample_pose;
 use crate::document::write_folder;
@@ -24,6 +25,7 @@ use crate::inspect::MotionReport;
 use crate::inspect::inspect_motion;
 use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::motion::plan::{PlanConfig, Planner, Spot};
+use crate::motion::retrieval::MotionMemory;
 use crate::render::Backend;
 use crate::render::BodySurface;
 use crate::render::Cutaway;
@@ -55,13 +57,45 @@ const CHAIR_M: f32 = 0.3;
 const BEFORE_SEAT_M: [f32; 2] = [0.45, 0.7];
 const WAYS_TO_A_SEAT: usize = 8;
 
+/// The folder of clips that was remembered last: reading it again for every motion would take seconds.
+#[derive(Default)]
+pub struct Memories(Mutex<Option<(PathBuf, Arc<MotionMemory>)>>);
+
+impl Memories {
+    /// What is remembered of a folder.
+    ///
+    /// # Errors
+    /// Without a folder, or why its clips can't be read; or cancelled.
+    fn of(&self, folder: Option<&Path>, ticker: &Ticker) -> Result<Arc<MotionMemory>, Stop> {
+        let folder = folder.ok_or_else(|| {
+            Stop::Failed(
+                "captured pieces need clips: choose a folder of them (npz, BVH) below the method".to_owned(),
+            )
+        })?;
+        let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = lock().as_ref().filter(|(of, _)| of == folder).map(|(_, memory)| memory.clone());
+        if let Some(memory) = known {
+            return Ok(memory);
+        }
+        ticker.stage("reading clips", 0)?;
+        let memory = Arc::new(MotionMemory::new(&read_clips(folder)?, Body::bundled(), ticker)?);
+        *lock() = Some((folder.to_path_buf(), memory.clone()));
+        Ok(memory)
+    }
+}
+
 /// Makes a motion.
 ///
 /// # Errors
 /// Why it can't be made; or cancelled.
-pub fn synthesise(task: &MoveTask, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop> {
+pub fn synthesise(task: &MoveTask, memories: &Memories, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop> {
     let inner = cx.mapped(|preview: JourneyPreview| MovePreview { clip: preview.clip });
-    let made = journey(&task.room, &task.geometry, Body::bundled(), &request(task), &inner)?;
+    let memory = match task.method {
+        MotionMethod::Retrieval => Some(memories.of(task.clips.as_deref(), cx.ticker())?),
+        _ => None,
+    };
+    let request = JourneyRequest { memory, ..request(task) };
+    let made = journey(&task.room, &task.geometry, Body::bundled(), &request, &inner)?;
     let remarks = made.complaints(&task.room);
     Ok(Moved { clip: made.clip, report: Some(made.motion), remarks })
 }
@@ -99,13 +133,6 @@ fn standing_still(person: &Person) -> Clip {
         planted: vec![[true, true]],
         ..Clip::default()
     }
-}
-
-/// Which methods can't be used, and why.
-pub fn missing_methods() -> Vec<(MotionMethod, String)> {
-    let why = "Not connected to the window yet; its networks can be trained (inhabit train).";
-    let missing = [MotionMethod::Learned, MotionMethod::Retrieval, MotionMethod::RouteCvae];
-    missing.map(|method| (method, why.to_owned())).to_vec()
 }
 
 /// Measures every frame.

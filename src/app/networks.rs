@@ -28,7 +28,70 @@ fn all() -> Vec<NetworkCard> {
         let notes = Weights::from_bytes(&label, file).map(|weights| weights.notes).unwrap_or_default();
         cards.push(card(name_of(method), text_of(method).to_owned(), &notes));
     }
+    cards.extend(MOTION.map(|(name, text, csv)| of_table(name, text, csv)));
+    cards.extend(MEASURED.map(|(name, text)| of_table(name, text, "")));
     cards
+}
+
+/// The networks of motion: card and curves as they ship beside the weights.
+const MOTION: [(&str, &str, &str); 3] = [
+    (
+        "RouteNet",
+        include_str!("../../assets/networks/motion_route.md"),
+        include_str!("../../assets/networks/motion_route.csv"),
+    ),
+    (
+        "PoseNet",
+        include_str!("../../assets/networks/motion_pose.md"),
+        include_str!("../../assets/networks/motion_pose.csv"),
+    ),
+    (
+        "Sub-goal bodies",
+        include_str!("../../assets/networks/motion_subgoal.md"),
+        include_str!("../../assets/networks/motion_subgoal.csv"),
+    ),
+];
+
+/// What was measured of them, beside the papers' tables.
+const MEASURED: [(&str, &str); 2] = [
+    ("Measured: people", include_str!("../../assets/networks/evaluation.md")),
+    ("Measured: motion", include_str!("../../assets/networks/motion_evaluation.md")),
+];
+
+/// Columns that are no losses, and what they are called.
+const MEASURES: [(&str, &str); 4] = [
+    ("place_cm", "place off by, cm"),
+    ("turn_x100", "rotation off by, 1/100"),
+    ("pose_x100", "pose off by, 1/100"),
+    ("labelled_rightly", "labelled rightly"),
+];
+
+/// A card with the curves of a table whose first column counts epochs.
+fn of_table(name: &str, text: &str, csv: &str) -> NetworkCard {
+    let (measures, curves) = columns(csv)
+        .into_iter()
+        .partition(|curve: &Curve| MEASURES.iter().any(|(_, label)| *label == curve.name));
+    NetworkCard { name: name.to_owned(), text: text.to_owned(), curves, measures }
+}
+
+/// The columns after the first; those that are 0 all along are left out.
+fn columns(csv: &str) -> Vec<Curve> {
+    let mut lines = csv.lines();
+    let named = lines.next().into_iter().flat_map(|head| head.split(',').skip(1));
+    let label = |name: &str| {
+        let known = MEASURES.iter().find(|(column, _)| *column == name);
+        known.map_or_else(|| name.replace('_', " "), |(_, label)| (*label).to_owned())
+    };
+    let mut curves: Vec<Curve> = named.map(|name| Curve { name: label(name), points: Vec::new() }).collect();
+    for line in lines {
+        let mut numbers = line.split(',').map(|cell| cell.trim().parse::<f64>().unwrap_or(f64::NAN));
+        let Some(epoch) = numbers.next() else { continue };
+        for (curve, value) in curves.iter_mut().zip(numbers).filter(|(_, value)| value.is_finite()) {
+            curve.points.push([epoch, value]);
+        }
+    }
+    curves.retain(|curve| curve.points.iter().any(|point| point[1] != 0.0));
+    curves
 }
 
 /// Name for people.
@@ -56,7 +119,7 @@ fn text_of(method: LearnedMethod) -> &'static str {
 /// A card with the curves that the weights' own notes hold.
 fn card(name: &str, text: String, notes: &BTreeMap<String, String>) -> NetworkCard {
     let curves = notes.values().flat_map(|note| curves_of(note)).collect();
-    NetworkCard { name: name.to_owned(), text, curves }
+    NetworkCard { name: name.to_owned(), text, curves, measures: Vec::new() }
 }
 
 /// The curves of a note that is a list of records, each with a step or an epoch and some numbers; those that
@@ -91,13 +154,26 @@ mod tests {
 
     #[test]
     fn every_bundled_network_says_how_it_was_trained_and_shows_that_it_learned() {
-        for card in cards().iter() {
+        let cards = cards();
+        assert_eq!(cards.iter().filter(|card| card.curves.is_empty()).count(), MEASURED.len());
+        for card in cards.iter().filter(|card| !card.curves.is_empty()) {
             assert!(card.text.contains("inhabit train"), "{} names no command", card.name);
-            let is_loss = |curve: &&Curve| curve.name.contains("loss") || curve.name == "reconstruction";
+            let is_loss = |curve: &&Curve| {
+                curve.name.contains("loss") || curve.name == "reconstruction" || curve.name == "training"
+            };
             let loss = card.curves.iter().find(is_loss).expect(&card.name);
             let (first, last) = (loss.points[0], loss.points[loss.points.len() - 1]);
             assert!(last[0] > first[0] && last[1] < first[1], "{}: {first:?} to {last:?}", card.name);
         }
+    }
+
+    #[test]
+    fn the_networks_of_motion_show_how_far_off_they_are_beside_their_losses() {
+        let cards = cards();
+        let route = cards.iter().find(|card| card.name == "RouteNet").expect("bundled");
+        let names: Vec<&str> = route.measures.iter().map(|curve| curve.name.as_str()).collect();
+        assert_eq!(names, ["place off by, cm", "rotation off by, 1/100"]);
+        assert!(columns("epoch,a\n1,x\n").is_empty() && columns("").is_empty());
     }
 
     #[test]

@@ -42,6 +42,14 @@ impl From<Picture> for Shown {
 }
 
 impl Shown {
+    /// White with this much of it seen, 0 to 1, at each pixel (column, row): to be painted in any colour.
+    pub fn of_shares(side: usize, share: impl Fn(usize, usize) -> f32) -> Self {
+        let alpha = |i: usize| (share(i % side, i / side).clamp(0.0, 1.0) * 255.0) as u8;
+        let pixels = (0..side * side).map(|i| Color32::from_white_alpha(alpha(i))).collect();
+        let image = ColorImage::new([side, side], pixels);
+        Self { image, sharp: false, part: WHOLE, texture: OnceLock::new() }
+    }
+
     /// The part of a network's image that is not padding.
     fn of_pixels(valid: &Valid, color: impl Fn(usize) -> Color32) -> Self {
         let pixels = (0..SIDE * SIDE).map(color).collect();

@@ -7,16 +7,18 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::engine::{
-    Energies, Engine, FitTask, ImportChoice, ImportSummary, Made, MotionExport, MotionMethod, MovePreview,
-    MoveTask, Moved, NetworkCard, Opened, OpenedProject, Photo, PhotoTask, PopulateTask, RoomRequest,
-    SampleMethod, SampleTask, SampleView, Sampled, Source,
+    Energies, Engine, FitTask, ImportChoice, ImportSummary, Made, MotionExport, MovePreview, MoveTask, Moved,
+    NetworkCard, Opened, OpenedProject, Photo, PhotoTask, PopulateTask, RoomRequest, SampleMethod,
+    SampleTask, SampleView, Sampled, Source, ThingKind, ThingPicture,
 };
 use super::jobs::is_project_file;
 use super::lived::{self, ActionChoice, LivedRoom};
 use super::moving;
+use super::moving::Memories;
 use super::networks;
 use super::photos;
 use super::sampling;
+use super::thing_pictures;
 use crate::assets::Budget;
 use crate::assets::Model;
 use crate::assets::glb_from_model;
@@ -74,7 +76,9 @@ const OVERVIEW_GROUND: [u8; 3] = [104, 109, 116];
 
 /// The program's own engine.
 #[derive(Default)]
-pub struct RealEngine;
+pub struct RealEngine {
+    memories: Memories,
+}
 
 impl Engine for RealEngine {
     fn samples(&self) -> Vec<String> {
@@ -236,12 +240,8 @@ impl Engine for RealEngine {
         Body::bundled().pose_frame(betas, frame).vertices.into()
     }
 
-    fn missing_motion_methods(&self) -> Vec<(MotionMethod, String)> {
-        moving::missing_methods()
-    }
-
     fn synthesise(&self, task: &MoveTask, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop> {
-        moving::synthesise(task, cx)
+        moving::synthesise(task, &self.memories, cx)
     }
 
     fn measure_clip(
@@ -279,6 +279,23 @@ impl Engine for RealEngine {
         ticker: &Ticker,
     ) -> Result<Arc<dyn LivedRoom>, Stop> {
         lived::look_at(room, choice, seed, ticker)
+    }
+
+    fn thing_kinds(&self) -> Vec<ThingKind> {
+        thing_pictures::kinds()
+    }
+
+    fn thing_picture(&self, kind: &str, ticker: &Ticker) -> Result<ThingPicture, Stop> {
+        thing_pictures::of_kind(kind, ticker)
+    }
+
+    fn read_thing(&self, path: &Path, ticker: &Ticker) -> Result<Model, Stop> {
+        ticker.stage("reading", 0)?;
+        Ok(read_model(path, &Budget::default())?)
+    }
+
+    fn model_picture(&self, model: &Model, ticker: &Ticker) -> Result<ThingPicture, Stop> {
+        thing_pictures::of_model(model, ticker)
     }
 
     fn faces(&self) -> Arc<[[u32; 3]]> {

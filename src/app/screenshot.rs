@@ -55,7 +55,7 @@ pub struct ScreenshotPlan {
     /// Let this many actions happen.
     pub actions: usize,
     /// Show this: `palette`, `shortcuts`, `help`, `import`, `history`, `samples`, `why`, `new-room`, `networks`, `motion`,
-    /// `actions`, `study`.
+    /// `actions`, `things`, `futures`, `learned`, `graph`, `study`.
     pub overlay: Option<String>,
 }
 
@@ -193,6 +193,8 @@ impl Script {
             Some("history") => Overlay::History,
             Some("new-room") => Overlay::NewRoom,
             Some("networks") => Overlay::Networks(0),
+            Some("learned") => Overlay::Learned(Some(0)),
+            Some("graph") => Overlay::Learned(None),
             Some("study") => Overlay::Study,
             _ => Overlay::None,
         };
@@ -202,6 +204,14 @@ impl Script {
             Some("actions") => {
                 state.requests.show_actions = true;
                 state.living.marks = true;
+            }
+            Some("things") => {
+                state.requests.show_actions = true;
+                state.things.unfolded = true;
+            }
+            Some("futures") => {
+                state.requests.show_actions = true;
+                state.toggle_beside(0);
             }
             Some("why") => {
                 actions::show_why(state);

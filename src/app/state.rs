@@ -9,6 +9,7 @@ use glam::Vec3;
 
 use super::engine::{Energies, Engine, ImportSummary};
 use super::jobs::Jobs;
+use super::learned::LearnedPage;
 use super::living::Living;
 use super::motion::MotionPanel;
 use super::notices::Notices;
@@ -18,6 +19,7 @@ use super::rooms::NewRoom;
 use super::samples::{Origin, Seen, Sheet};
 use super::selection::{Item, Selection};
 use super::study::{StudyRun, StudySetup};
+use super::things::Things;
 use super::transform::Transform;
 use crate::document::Command;
 use crate::document::Document;
@@ -96,6 +98,14 @@ pub enum Overlay {
     ExportMotion,
     /// What a study with human raters is to show.
     Study,
+    /// A file that was dropped: a room or a thing.
+    Dropped(PathBuf),
+    /// A thing of the user's own, by typing its path.
+    ThingPath(String),
+    /// Kind, size and front of a thing that is being added.
+    AddThing,
+    /// What was learned of actions: the graph, or the node with this number.
+    Learned(Option<usize>),
     /// The bundled networks: curves and figures of the one with this number.
     Networks(usize),
 }
@@ -112,6 +122,7 @@ impl Overlay {
                 | Self::History
                 | Self::Notifications
                 | Self::Networks(_)
+                | Self::Learned(_)
         )
     }
 }
@@ -198,6 +209,10 @@ pub struct WindowRequests {
     pub show_timeline: bool,
     /// Ask for a photo (false) or its keypoints (true).
     pub photo_dialog: Option<bool>,
+    /// Ask for a model of the user's own.
+    pub thing_dialog: bool,
+    /// Ask for a folder of motion clips.
+    pub clips_dialog: bool,
 }
 
 /// A measured body: valid for exactly this body in exactly this room.
@@ -259,6 +274,10 @@ pub struct EditorState {
     pub last_made: Vec<PersonId>,
     /// What people do in the room, and its futures.
     pub living: Living,
+    /// The library of things that actions bring.
+    pub things: Things,
+    /// The page of what was learned of actions.
+    pub learned: LearnedPage,
     /// The next study with human raters.
     pub study_setup: StudySetup,
     /// The study that runs.
@@ -304,6 +323,8 @@ impl EditorState {
             motion: MotionPanel::default(),
             last_made: Vec::new(),
             living: Living::new(),
+            things: Things::default(),
+            learned: LearnedPage::default(),
             study_setup: StudySetup::default(),
             study: None,
             requests: WindowRequests::default(),

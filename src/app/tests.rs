@@ -1,6 +1,7 @@
 //! The window in the user's words, driven without a screen; work behind it is replaced by work that is quick,
 //! endless or breaks, as a test needs it.
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -15,7 +16,7 @@ use super::autosave::Autosave;
 use super::engine::{
     Candidate, Curve, Engine, FitTask, ImportSummary, Made, MotionExport, MotionFormat, MotionMethod,
     MovePreview, MoveTask, Moved, NetworkCard, Opened, Photo, PhotoTask, PopulateTask, RoomRequest,
-    SampleMethod, SampleTask, SampleView, Sampled, Source,
+    SampleMethod, SampleTask, SampleView, Sampled, Source, ThingKind, ThingPicture,
 };
 use super::lived::{ActionChoice, ActionStep, LivedRoom, Mark, Touched};
 use super::motion::{GoalFigures, Placing, Trail};
@@ -23,7 +24,7 @@ use super::samples::Fate;
 use super::selection::Item;
 use super::state::{EditorState, Leaving, Overlay, Tool};
 use super::window::Window;
-use crate::assets::{Keypoint, KeypointSet, Material, Mesh, PersonKeypoints};
+use crate::assets::{Keypoint, KeypointSet, Material, Mesh, Model, PersonKeypoints};
 use crate::body::Body;
 use crate::document::{Command, Project};
 use crate::evolve::PopulatePreview;
@@ -63,12 +64,16 @@ struct FakeEngine {
     written: Mutex<Vec<(MotionFormat, PathBuf, usize)>>,
 }
 
+/// A cup as a file has it: nine centimetres high, in centimetres, lying along Z.
+const CUP_IN_CM: &str = "v 0 0 0\nv 6 0 0\nv 0 6 0\nv 0 0 9\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n";
+
 /// A room where one can read (60 %), eat (30 %) or nap (10 %, not possible); each action brings one thing.
 #[derive(Clone)]
 struct FakeLife {
     room: Room,
     steps: Vec<ActionStep>,
     banned: Vec<String>,
+    most: BTreeMap<String, usize>,
     slow: bool,
 }
 
@@ -97,6 +102,10 @@ impl LivedRoom for FakeLife {
         }
         let mut next = self.clone();
         let kind = if self.banned.iter().any(|kind| kind == "book") { "cup" } else { "book" };
+        let there = next.room.objects.iter().filter(|object| object.name == kind).count();
+        if there >= self.most.get(kind).copied().unwrap_or(usize::MAX) {
+            return Err(Stop::Failed(format!("there is no room for another {kind}")));
+        }
         let id = next.room.objects.len() as u32;
         let mut brought = thing(id, kind, Category::Chair, 0.5);
         brought.world_from_object = Affine3A::from_translation(Vec3::X * roll as f32 * 0.1);
@@ -114,7 +123,7 @@ impl LivedRoom for FakeLife {
     }
 
     fn decided(&self, choice: &ActionChoice, _: &[ObjectId]) -> Arc<dyn LivedRoom> {
-        Arc::new(Self { banned: choice.banned.clone(), ..self.clone() })
+        Arc::new(Self { banned: choice.banned.clone(), most: choice.most.clone(), ..self.clone() })
     }
 
     fn last_step(&self) -> Option<ActionStep> {
@@ -383,7 +392,8 @@ impl Engine for FakeEngine {
         let curves =
             vec![Curve { name: "total".to_owned(), points: vec![[0.0, 4.0], [1.0, 2.0], [2.0, 1.0]] }];
         let text = "# Data\n- a hut\n\n| figure | value |\n|---|---|\n| error | 3 |\nTrained in no time.";
-        vec![NetworkCard { name: "S1".to_owned(), text: text.to_owned(), curves }].into()
+        vec![NetworkCard { name: "S1".to_owned(), text: text.to_owned(), curves, measures: Vec::new() }]
+            .into()
     }
 
     fn measure(&self, _: &RoomGeometry, _: &BodyParams, _: &Ticker) -> Result<BodyReport, Stop> {
@@ -396,10 +406,6 @@ impl Engine for FakeEngine {
 
     fn pose_frame(&self, betas: &[f32; BETAS], frame: &Frame) -> Arc<[Vec3]> {
         Body::bundled().pose_frame(betas, frame).vertices.into()
-    }
-
-    fn missing_motion_methods(&self) -> Vec<(MotionMethod, String)> {
-        vec![(MotionMethod::RouteCvae, "It was left at home".to_owned())]
     }
 
     fn synthesise(&self, task: &MoveTask, cx: &JobCtx<MovePreview>) -> Result<Moved, Stop> {
@@ -450,13 +456,33 @@ impl Engine for FakeEngine {
         _: &Ticker,
     ) -> Result<Arc<dyn LivedRoom>, Stop> {
         let slow = *self.making.lock().unwrap() == Making::Endless;
-        let (room, steps, banned) = (room.as_ref().clone(), Vec::new(), Vec::new());
-        Ok(Arc::new(FakeLife { room, steps, banned, slow }))
+        let room = room.as_ref().clone();
+        let (steps, banned, most) = (Vec::new(), Vec::new(), BTreeMap::new());
+        Ok(Arc::new(FakeLife { room, steps, banned, most, slow }))
     }
 
     fn export_motion(&self, path: &Path, export: &MotionExport, _: &Ticker) -> Result<usize, Stop> {
         self.written.lock().unwrap().push((export.format, path.to_owned(), export.clips.len()));
         Ok(1)
+    }
+
+    fn thing_kinds(&self) -> Vec<ThingKind> {
+        [("book", 12), ("cup", 6)]
+            .map(|(kind, most)| ThingKind { kind: kind.to_owned(), most, models: 2 })
+            .to_vec()
+    }
+
+    fn thing_picture(&self, _: &str, _: &Ticker) -> Result<ThingPicture, Stop> {
+        Ok(ThingPicture { picture: grey_picture(), size_m: Vec3::splat(0.1) })
+    }
+
+    fn read_thing(&self, path: &Path, _: &Ticker) -> Result<Model, Stop> {
+        let budget = crate::assets::Budget::default();
+        Ok(crate::assets::read_model_bytes(&path.display().to_string(), CUP_IN_CM.as_bytes(), &budget)?)
+    }
+
+    fn model_picture(&self, _: &Model, _: &Ticker) -> Result<ThingPicture, Stop> {
+        Ok(ThingPicture { picture: grey_picture(), size_m: Vec3::splat(0.1) })
     }
 
     fn faces(&self) -> Arc<[[u32; 3]]> {
@@ -709,6 +735,8 @@ fn dropping_a_bad_file_names_it_and_keeps_what_was_there() {
     user.populates(1);
     let file: egui::DroppedFileHandle = Arc::new(Dropped(PathBuf::from("broken.glb")));
     user.harness.input_mut().dropped_files.push(file);
+    user.sees();
+    user.harness.get_by_label("Open as a room").click();
     user.waits(|state| !state.jobs.opening() && state.notices.all().any(|(_, n)| n.text.contains("broken")));
     assert!(user.errors()[0].contains("broken.glb, byte 0"), "{:?}", user.errors());
     assert_eq!(user.people(), 1);
@@ -1042,6 +1070,10 @@ fn every_page_has_names_for_its_widgets_and_letters_that_can_be_read() {
         Overlay::Networks(0),
         Overlay::ExportMotion,
         Overlay::Study,
+        Overlay::Dropped(PathBuf::from("cup.obj")),
+        Overlay::ThingPath(String::new()),
+        Overlay::Learned(None),
+        Overlay::Learned(Some(2)),
     ];
     user.places(&[(-0.5, 0.0), (0.5, 0.5), (0.5, -0.5)]);
     user.synthesises();
@@ -1430,8 +1462,10 @@ fn a_replay_shows_the_way_here_and_changes_nothing() {
     user.does("eat on sofa (30");
     let history = user.history();
     user.state().toggle_replay();
-    let shown =
-        |user: &mut User| user.state().replayed().map(|(number, room, _)| (number, room.objects.len()));
+    let shown = |user: &mut User| {
+        let number = user.state().replayed()?;
+        user.state().life_scene(number).map(|(room, _)| (number, room.objects.len()))
+    };
     assert_eq!(shown(&mut user), Some((0, 2)), "the room as it was");
     assert!(user.state().advance_replay(1.5));
     assert_eq!(shown(&mut user), Some((1, 3)));
@@ -1454,4 +1488,115 @@ fn sub_goals_that_change_while_a_motion_is_made_are_not_lost() {
         (3, 2 * LEG + 1),
         "made again with all three"
     );
+}
+
+impl User {
+    /// Unfolds the list of things in the panel of actions.
+    fn looks_at_the_things(&mut self) {
+        self.state().requests.show_actions = true;
+        self.sees();
+        self.harness.get_by_label("Things (2)").click();
+        self.waits(|state| state.thing_look("cup").is_some());
+    }
+
+    fn drops(&mut self, file: &str) {
+        let file: egui::DroppedFileHandle = Arc::new(Dropped(PathBuf::from(file)));
+        self.harness.input_mut().dropped_files.push(file);
+        self.sees();
+    }
+}
+
+#[test]
+fn things_are_listed_with_pictures_bounded_and_banned() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.looks_at_the_things();
+    let book = user.state().thing_kinds()[0].clone();
+    user.state().set_most(&book, 1);
+    user.does("read on sofa (60");
+    user.does("read on sofa (60");
+    assert!(user.errors()[0].contains("no room for another book"), "{:?}", user.errors());
+    user.harness.get_by_label("Ban book");
+    user.state().toggle_ban("book");
+    user.state().start_action(0);
+    user.waits(|state| !state.is_living());
+    assert_eq!(user.objects(), ["Oak floor", "Red sofa", "book", "cup"]);
+    user.harness.get_by_label("Allow book");
+    user.state().toggle_ban("book");
+    user.state().set_most(&book, book.most);
+    assert!(user.state().living.choice.most.is_empty() && user.state().living.choice.banned.is_empty());
+}
+
+#[test]
+fn a_dropped_model_becomes_a_thing_of_its_kind_and_size_and_is_there_in_the_next_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut user = User::opens_the_study();
+    user.state().remember_things(Some(folder.path().join("things")));
+    user.drops("my_cup.obj");
+    assert_eq!(user.state().document.scene().room.name, "Study", "nothing is opened unasked");
+    user.harness.get_by_label("Add to the things").click();
+    user.waits(|state| state.things.form.as_ref().is_some_and(|form| form.look.is_some()));
+    for _ in 0..3 {
+        user.harness.get_by_label("Tip over").click();
+        user.sees();
+    }
+    user.waits(|state| !state.jobs.any_running());
+    user.harness.get_by_label("Add").click();
+    user.waits(|state| state.overlay == Overlay::None);
+    let own = user.state().living.choice.own.clone();
+    assert_eq!((own[0].kind.as_str(), own[0].name.as_str()), ("cup", "my cup"));
+    let size_m = own[0].model.bounds().size();
+    assert!((size_m - Vec3::new(0.06, 0.09, 0.06)).length() < 1e-4, "upright, in metres: {size_m}");
+    let mut later = User::opens_the_study();
+    user.waits(|_| crate::document::read_things(&folder.path().join("things")).0.len() == 1);
+    later.state().remember_things(Some(folder.path().join("things")));
+    later.waits(|state| state.living.choice.own.len() == 1);
+}
+
+#[test]
+fn two_futures_are_seen_side_by_side_and_one_is_chosen() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.does("read on sofa (60");
+    user.state().re_roll_action();
+    user.waits(|state| !state.is_living());
+    let history = user.history();
+    assert_eq!(user.harness.query_all_by_label_contains("Show beside: ").count(), 2);
+    user.state().toggle_beside(1);
+    user.sees();
+    user.harness.get_by_label("The other future");
+    assert_eq!((user.state().shown_beside(), user.history()), (Some(1), history), "looking changes nothing");
+    user.harness.get_by_label("Choose this one").click();
+    user.sees();
+    assert_eq!((user.state().life_now(), user.state().shown_beside()), (Some(1), None));
+    assert!(user.harness.query_by_label("The other future").is_none());
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!(user.state().life_now(), Some(2), "choosing is one step");
+}
+
+#[test]
+fn what_was_learned_is_a_graph_that_leads_to_the_plots_of_an_action_and_its_doubts() {
+    let mut user = User::opens_the_study();
+    user.state().overlay = Overlay::Learned(None);
+    user.sees();
+    user.harness.get_by_label("The graph of actions");
+    user.harness.get_by_label("use computer on desk while sitting").click();
+    user.sees();
+    assert!(user.harness.query_all_by_label("rests on 11 instances").count() > 0);
+    assert!(user.harness.query_all_by_label_contains("keyboard (").count() > 0);
+}
+
+#[test]
+fn captured_pieces_are_looked_up_in_the_folder_that_is_named() {
+    let mut user = User::opens_the_study();
+    user.places(&[(-0.5, 0.0), (0.5, 0.5)]);
+    user.state().motion.options.method = MotionMethod::Retrieval;
+    user.state().requests.show_motion = true;
+    user.sees();
+    assert!(user.state().can_synthesise().is_err_and(|why| why.contains("folder")));
+    user.state().motion.options.clips = "clips".to_owned();
+    user.synthesises();
+    let tasks = user.engine.moves.lock().unwrap();
+    let task = tasks.last().unwrap();
+    assert_eq!((task.method, task.clips.clone()), (MotionMethod::Retrieval, Some(PathBuf::from("clips"))));
 }

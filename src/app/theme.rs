@@ -46,6 +46,11 @@ pub fn palette(visuals: &Visuals) -> &'static Palette {
     if visuals.dark_mode { &DARK } else { &LIGHT }
 }
 
+/// The palette for texts on dark labels in the view, whatever the theme.
+pub fn on_dark() -> &'static Palette {
+    &DARK
+}
+
 /// Gives both themes their looks.
 pub fn install(ctx: &egui::Context) {
     ctx.style_mut_of(Theme::Dark, |style| dress(style, dark()));

@@ -18,35 +18,90 @@ use super::transform::{TransformKind, on_plane};
 /// Points of wheel travel that count as one notch.
 const POINTS_PER_NOTCH: f32 = 40.0;
 
+/// Where the view is drawn: a second canvas for another future of the room.
+pub struct Canvases<'a> {
+    /// The document.
+    pub main: &'a mut Canvas,
+    /// What is shown beside it.
+    pub beside: &'a mut Canvas,
+}
+
 /// Draws the view and handles what happens in it. Whether the pointer is over it.
-pub fn viewport(ui: &mut Ui, state: &mut EditorState, canvas: &mut Canvas) -> bool {
-    let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+pub fn viewport(ui: &mut Ui, state: &mut EditorState, canvases: Canvases<'_>) -> bool {
+    let (whole, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3-D view"));
-    if rect.width() < 2.0 || rect.height() < 2.0 {
+    if whole.width() < 2.0 || whole.height() < 2.0 {
         return false;
     }
+    let Some(other) = state.shown_beside().filter(|_| state.study.is_none()) else {
+        return one_view(ui, state, canvases.main, whole, &response);
+    };
+    let (left, right) = whole.split_left_right_at_fraction(0.5);
+    let [left, right] = [left.with_max_x(left.right() - 1.0), right.with_min_x(right.left() + 1.0)];
+    let main = ui.interact(left, response.id.with("now"), Sense::click_and_drag());
+    let over = one_view(ui, state, canvases.main, left, &main);
+    let response = ui.interact(right, response.id.with("beside"), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "The other future"));
+    navigate(ui, state, &response, right);
+    canvases.beside.show_life(ui, right, state, other);
+    beside_bars(ui, state, [left, right], other);
+    over || response.contains_pointer()
+}
+
+/// Which future is which, and the buttons that choose one.
+fn beside_bars(ui: &mut Ui, state: &mut EditorState, [left, right]: [Rect; 2], other: usize) {
+    let now = state.life_now().map_or_else(|| "as it is now".to_owned(), |now| state.life_label(now));
+    let (mut keep, mut choose) = (false, false);
+    for (rect, text, button, pressed) in [
+        (left, now, "Keep this one", &mut keep),
+        (right, state.life_label(other), "Choose this one", &mut choose),
+    ] {
+        let bar = rect.shrink(6.0).with_min_y(rect.bottom() - 40.0);
+        ui.scope_builder(egui::UiBuilder::new().max_rect(bar), |ui| {
+            egui::Frame::popup(ui.style()).inner_margin(4).shadow(egui::Shadow::NONE).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    *pressed = ui.button(button).clicked();
+                    ui.add(egui::Label::new(text).truncate());
+                });
+            });
+        });
+    }
+    if keep {
+        state.living.beside = None;
+    } else if choose {
+        state.choose_beside();
+    }
+}
+
+fn one_view(
+    ui: &mut Ui,
+    state: &mut EditorState,
+    canvas: &mut Canvas,
+    rect: Rect,
+    response: &Response,
+) -> bool {
     state.aspect = rect.width() / rect.height();
-    navigate(ui, state, &response, rect);
+    navigate(ui, state, response, rect);
     state.place_figures();
-    let hovered = hovered(ui, state, &response, rect);
-    grip_goal(ui, state, &response, rect);
+    let hovered = hovered(ui, state, response, rect);
+    grip_goal(ui, state, response, rect);
     transform(ui, state, rect);
     canvas.show(ui, rect, state, hovered.map(|h| h.item));
     goal_marks::marks(ui, state, rect, hovered.map(|h| h.item));
     life_marks::marks(ui, state, rect);
     photo_over_view(ui, state, rect);
     if state.transform.is_some() {
-        end_transform(ui, state, &response);
+        end_transform(ui, state, response);
     } else {
-        place_goal(ui, state, &response, rect);
-        click(ui, state, &response, hovered);
-        select_by_box(ui, state, &response, rect);
-        menu(state, &response);
+        place_goal(ui, state, response, rect);
+        click(ui, state, response, hovered);
+        select_by_box(ui, state, response, rect);
+        menu(state, response);
     }
     overlay3d::axes(ui, state, rect);
     overlay3d::legend(ui, state, rect);
-    value_under_cursor(ui, state, &response, hovered);
-    tool_cursor(ui, state, &response);
+    value_under_cursor(ui, state, response, hovered);
+    tool_cursor(ui, state, response);
     if state.orbit.advance(ui.input(|i| i.stable_dt)) {
         ui.ctx().request_repaint();
     }

@@ -21,6 +21,7 @@ use super::panels::RenderStatus;
 use super::state::{EditorState, Overlay};
 use super::theme;
 use super::viewport;
+use super::viewport::Canvases;
 use crate::document::Settings;
 use crate::document::is_leftover;
 use crate::job::{Job, Outcome, Seed};
@@ -55,6 +56,7 @@ pub struct Window {
     /// A job has asked for a frame and none was drawn since: thousands of steps a second cost one request.
     woken: Arc<AtomicBool>,
     canvas: Canvas,
+    beside: Canvas,
     tree: Tree<Pane>,
     dialog: Option<Dialog>,
     keys: Vec<&'static commands::CommandInfo>,
@@ -82,6 +84,10 @@ enum Dialog {
     Export(Job<Option<PathBuf>>),
     /// A photo (false) or its keypoints (true).
     Photo(Job<Option<PathBuf>>, bool),
+    /// A model of the user's own.
+    Thing(Job<Option<PathBuf>>),
+    /// A folder of motion clips.
+    Clips(Job<Option<PathBuf>>),
 }
 
 impl Window {
@@ -100,6 +106,7 @@ impl Window {
             state: EditorState::new(engine, wake),
             woken,
             canvas: Canvas::new(cc.wgpu_render_state.as_ref()),
+            beside: Canvas::new(cc.wgpu_render_state.as_ref()),
             tree: layout(),
             dialog: None,
             keys: Vec::new(),
@@ -196,7 +203,12 @@ impl Window {
     fn take_drops(&mut self, ctx: &Context) {
         let dropped = ctx.input(|i| i.raw.dropped_files.clone());
         for file in dropped {
-            actions::open_file(&mut self.state, file.path().to_path_buf());
+            let path = file.path().to_path_buf();
+            if self.state.has_room() && panels::may_be_a_thing(&path) {
+                self.state.overlay = Overlay::Dropped(path);
+            } else {
+                actions::open_file(&mut self.state, path);
+            }
         }
     }
 
@@ -236,6 +248,12 @@ impl Window {
         if let Some(keypoints) = requests.photo_dialog {
             self.dialog = Some(Dialog::Photo(super::dialog::ask_photo(ctx, keypoints), keypoints));
         }
+        if requests.thing_dialog {
+            self.dialog = Some(Dialog::Thing(super::dialog::ask_thing(ctx)));
+        }
+        if requests.clips_dialog {
+            self.dialog = Some(Dialog::Clips(super::dialog::ask_clips(ctx)));
+        }
         if requests.export_dialog {
             self.dialog = Some(Dialog::Export(super::dialog::ask_folder(ctx)));
         }
@@ -246,7 +264,12 @@ impl Window {
     /// What the user chose in a dialog; without a dialog on this desktop, a field for the path instead.
     fn poll_dialog(&mut self) {
         let waiting = self.dialog.as_mut().map(|dialog| match dialog {
-            Dialog::Open(job) | Dialog::Save(job) | Dialog::Export(job) | Dialog::Photo(job, _) => job,
+            Dialog::Open(job)
+            | Dialog::Save(job)
+            | Dialog::Export(job)
+            | Dialog::Photo(job, _)
+            | Dialog::Thing(job)
+            | Dialog::Clips(job) => job,
         });
         let Some(job) = waiting else { return };
         let Some(outcome) = job.poll() else { return };
@@ -264,8 +287,13 @@ impl Window {
             (Outcome::Done(Some(path)), Dialog::Photo(_, false)) => {
                 state.photo.picture_path = path.display().to_string();
             }
+            (Outcome::Done(Some(path)), Dialog::Thing(_)) => state.begin_thing(&path),
+            (Outcome::Done(Some(path)), Dialog::Clips(_)) => {
+                state.motion.options.clips = path.display().to_string();
+            }
             (Outcome::Done(None), _) => {}
-            (_, Dialog::Photo(..)) => {
+            (_, Dialog::Thing(_)) => state.overlay = Overlay::ThingPath(String::new()),
+            (_, Dialog::Photo(..) | Dialog::Clips(_)) => {
                 state.notices.warning("This desktop has no file dialog: type the path.");
             }
             (_, Dialog::Open(_)) => state.overlay = Overlay::OpenPath(String::new()),
@@ -303,7 +331,8 @@ impl Window {
         egui::Panel::bottom("study").show(ui, |ui| panels::study_bar(ui, &mut self.state));
         let frame = egui::Frame::central_panel(ui.style()).inner_margin(0);
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {
-            viewport::viewport(ui, &mut self.state, &mut self.canvas);
+            let canvases = Canvases { main: &mut self.canvas, beside: &mut self.beside };
+            viewport::viewport(ui, &mut self.state, canvases);
         });
         panels::overlays(ctx, &mut self.state);
         panels::toasts(ctx, &mut self.state);
@@ -311,8 +340,8 @@ impl Window {
     }
 
     fn dock(&mut self, ui: &mut Ui) {
-        let (state, canvas) = (&mut self.state, &mut self.canvas);
-        let mut panes = Panes { state, canvas, over_viewport: &mut self.over_viewport };
+        let (state, canvas, beside) = (&mut self.state, &mut self.canvas, &mut self.beside);
+        let mut panes = Panes { state, canvas, beside, over_viewport: &mut self.over_viewport };
         self.tree.ui(&mut panes, ui);
     }
 }
@@ -448,13 +477,15 @@ fn linear(tiles: &mut Tiles<Pane>, dir: LinearDir, children: &[TileId], shares: 
 struct Panes<'a> {
     state: &'a mut EditorState,
     canvas: &'a mut Canvas,
+    beside: &'a mut Canvas,
     over_viewport: &'a mut bool,
 }
 
 impl egui_tiles::Behavior<Pane> for Panes<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
         if *pane == Pane::Viewport {
-            *self.over_viewport = viewport::viewport(ui, self.state, self.canvas);
+            let canvases = Canvases { main: self.canvas, beside: self.beside };
+            *self.over_viewport = viewport::viewport(ui, self.state, canvases);
             return UiResponse::None;
         }
         let show: fn(&mut Ui, &mut EditorState) = match pane {

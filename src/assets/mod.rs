@@ -27,6 +27,7 @@ mod hash;
 mod keypoints;
 mod mend;
 mod model;
+mod motion_folder;
 mod npz_write;
 mod obj;
 mod objects;
@@ -54,6 +55,7 @@ pub use keypoints::{
     Keypoint, KeypointSet, PersonKeypoints, PictureKeypoints, read_keypoints, read_keypoints_bytes,
 };
 pub use model::{AlphaMode, ImageFile, Material, Mesh, Model, Part, Texture};
+pub use motion_folder::{MotionContent, MotionFolderError, motion_files, read_motion_file};
 pub use objects::{library_text, object_model, object_names};
 pub use picture::read_photo;
 pub use read::{read_model, read_model_bytes};

@@ -6,6 +6,7 @@
 //! Body frame: metres, T-pose at rest, Y up, front +Z, left +X, pelvis joint near the origin; joints in
 //! SMPL-X's order ([`joints`]).
 
+mod clip_folder;
 mod export;
 mod export_clip;
 mod families;
@@ -26,6 +27,7 @@ mod skin_moments;
 mod subset;
 mod workspace;
 
+pub use clip_folder::{ClipFolderError, read_clips};
 pub use export::skinned_mesh;
 pub use export_clip::{amass_motion, rig_motion, skinned_clip};
 pub use families::{FamilyHints, LeanStyle, SampledPose, sample_pose};

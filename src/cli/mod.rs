@@ -100,7 +100,7 @@ pub struct WindowArguments {
     #[arg(long, value_name = "N", requires = "screenshot", default_value_t = 0)]
     pub actions: usize,
     /// Show this in the picture: `palette`, `shortcuts`, `help`, `import`, `history`, `samples`, `why`, `new-room`,
-    /// `networks`, `motion`, `actions` or `study`.
+    /// `networks`, `motion`, `actions`, `things`, `futures`, `learned`, `graph` or `study`.
     #[arg(long, value_name = "NAME", requires = "screenshot")]
     pub overlay: Option<String>,
     /// Zoom on the selected person.

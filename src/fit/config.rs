@@ -20,6 +20,8 @@ pub struct PsiWeights {
 pub struct Weights {
     /// Keeps position and facing near the proposal: per squared metre.
     pub place: f32,
+    /// Keeps the pelvis over the proposal's point of the floor, besides: per squared metre.
+    pub over: f32,
     /// Keeps the pose near the proposal: per squared unit of the code.
     pub pose: f32,
     /// Keeps the pose likely: per squared unit of the code.
@@ -114,6 +116,7 @@ fn rescue() -> FitConfig {
     FitConfig {
         objective: Objective::Rescue(Weights {
             place: 0.5,
+            over: 0.0,
             pose: 0.02,
             pose_prior: 0.001,
             gap: 200.0,

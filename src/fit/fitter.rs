@@ -178,6 +178,9 @@ impl<'a> Fitter<'a> {
         let Scratch { energy, distances, workspace, intrusions, search_intrusions } = scratch;
         let [t, _, betas, pose, hands] = BodyParams::OFFSETS;
         terms::stay(energy, x, start, t..betas, weights.place);
+        for across in [t, t + 2] {
+            terms::stay(energy, x, start, across..across + 1, weights.over);
+        }
         terms::stay(energy, x, start, pose..PARAMS, weights.pose);
         terms::stay(energy, x, &[0.0; PARAMS], pose..hands, weights.pose_prior);
         for goal in contact_goals(family) {

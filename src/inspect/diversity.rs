@@ -5,6 +5,9 @@ use crate::scene::{BodyParams, PARAMS};
 /// and unwhitened, as in PSI's evaluation (algorithms 1.6).
 pub const FEATURES: usize = PARAMS - 3;
 
+/// Fewest bodies whose diversity says something: five a cluster. With fewer, entropy measures how many there are.
+pub const DIVERSITY_BODIES: usize = 100;
+
 /// How different a set of bodies is (PSI §4.1.4, Table 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Diversity {
@@ -19,18 +22,19 @@ pub struct Diversity {
 /// Clusters bodies by K-means (20 clusters, 20 restarts) and says how evenly the clusters are filled and how big
 /// they are. In camera frames, as the paper gives its figures, views of one place count as different; in
 /// the world frame only the bodies do: the frame is that of the parameters. The same seed gives the same numbers.
-pub fn diversity(bodies: &[BodyParams], seed: u64) -> Diversity {
+/// Nothing for fewer than [`DIVERSITY_BODIES`] bodies.
+pub fn diversity(bodies: &[BodyParams], seed: u64) -> Option<Diversity> {
     let rows: Vec<Vec<f32>> =
         bodies.iter().map(features).filter(|r| r.iter().all(|x| x.is_finite())).collect();
-    if rows.is_empty() {
-        return Diversity::default();
+    if rows.len() < DIVERSITY_BODIES {
+        return None;
     }
     let clusters = kmeans(&rows, &KMeansConfig::default(), seed);
-    Diversity {
+    Some(Diversity {
         entropy_nats: entropy_nats(&clusters.histogram()),
         cluster_size: clusters.mean_distance as f32,
         bodies: rows.len(),
-    }
+    })
 }
 
 fn features(body: &BodyParams) -> Vec<f32> {
@@ -72,16 +76,16 @@ mod tests {
     }
 
     #[test]
-    fn forty_pairs_a_metre_apart_make_twenty_even_clusters_of_a_known_size() {
-        // Twenty places 10 m apart, two bodies at each, 20 cm apart: each is 10 cm from its centre.
+    fn groups_far_apart_make_twenty_even_clusters() {
+        // Twenty places 10 m apart, six bodies at each, in two spots 20 cm apart.
         let bodies: Vec<BodyParams> =
-            (0..40).map(|i| at(10.0 * (i / 2) as f32 + 0.2 * (i % 2) as f32)).collect();
-        let found = diversity(&bodies, 3);
-        assert_eq!(found.bodies, 40);
-        // K-means from random rows need not find every pair, but comes near.
+            (0..120).map(|i| at(10.0 * (i / 6) as f32 + 0.2 * (i % 2) as f32)).collect();
+        let found = diversity(&bodies, 3).unwrap();
+        assert_eq!(found.bodies, 120);
+        // K-means from random rows need not find every group, but comes near.
         assert!(found.entropy_nats > 2.6 && found.entropy_nats <= 20f32.ln() + 1e-4, "{found:?}");
-        let same = vec![at(1.0); 50];
-        let collapsed = diversity(&same, 3);
+        let same = vec![at(1.0); 150];
+        let collapsed = diversity(&same, 3).unwrap();
         assert_eq!((collapsed.entropy_nats, collapsed.cluster_size), (0.0, 0.0), "a collapsed sampler");
     }
 
@@ -91,7 +95,15 @@ mod tests {
         turned.set_rotation(&Mat3::from_rotation_y(0.5));
         assert_eq!(features(&turned).len(), FEATURES);
         assert!((features(&turned)[4] - 0.5).abs() < 1e-5);
-        assert_eq!(diversity(&[at(0.0), at(f32::NAN)], 0).bodies, 1);
-        assert_eq!(diversity(&[], 0), Diversity::default());
+        let mut bodies: Vec<BodyParams> = (0..DIVERSITY_BODIES).map(|i| at(i as f32)).collect();
+        bodies.push(at(f32::NAN));
+        assert_eq!(diversity(&bodies, 0).unwrap().bodies, DIVERSITY_BODIES);
+    }
+
+    #[test]
+    fn twenty_clusters_of_a_handful_of_bodies_say_nothing() {
+        let few: Vec<BodyParams> = (1..DIVERSITY_BODIES).map(|i| at(i as f32)).collect();
+        assert_eq!(diversity(&few, 0), None);
+        assert_eq!(diversity(&[], 0), None);
     }
 }

@@ -15,7 +15,7 @@ mod surface;
 
 pub use alignment::{EstimateErrors, Similarity, mean_distance_mm};
 pub use body::{BodyMetrics, BodyReport, CONTACT_M, inspect_body};
-pub use diversity::{Diversity, FEATURES, diversity, entropy_nats};
+pub use diversity::{DIVERSITY_BODIES, Diversity, FEATURES, diversity, entropy_nats};
 pub use finding::{Finding, Limits, Metric, Site};
 pub use hull::{convex_hull, distance_to_hull};
 pub use motion::{

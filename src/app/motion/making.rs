@@ -1,8 +1,9 @@
 //! The job that makes a motion of sub-goals: plays what is there so far, and keeps it when it is cancelled.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::app::engine::{MovePreview, MoveTask, Moved};
+use crate::app::engine::{MotionMethod, MovePreview, MoveTask, Moved};
 use crate::app::state::EditorState;
 use crate::document::Command;
 use crate::document::RoomVersion;
@@ -46,6 +47,10 @@ impl EditorState {
         if self.geometry().is_none() {
             return Err("Waits for the room analysis.");
         }
+        let options = &self.motion.options;
+        if options.method == MotionMethod::Retrieval && options.clips.trim().is_empty() {
+            return Err("Captured pieces need a folder of clips: choose one below the method.");
+        }
         Ok(())
     }
 
@@ -71,7 +76,9 @@ impl EditorState {
         let people = scene.people.iter().filter(|p| p.visible && !walks(p.id)).cloned().collect();
         let wanted = Clip { betas: options.betas, seed: options.seed, ..clip.as_ref().clone() };
         let room = scene.room.clone();
-        let task = MoveTask { room, geometry, clip: wanted, method: options.method, anew, others, people };
+        let clips = Some(options.clips.trim()).filter(|folder| !folder.is_empty()).map(PathBuf::from);
+        let method = options.method;
+        let task = MoveTask { room, geometry, clip: wanted, method, anew, others, people, clips };
         let engine = self.engine.clone();
         let work = move |cx: &JobCtx<MovePreview>| engine.synthesise(&task, cx);
         let name = format!("Synthesise {}", clip.name);

@@ -44,6 +44,8 @@ pub struct MotionOptions {
     pub betas: [f32; BETAS],
     /// Legs that a change touches are made again at once.
     pub follow_changes: bool,
+    /// Folder of motion clips, for the method that looks pieces up.
+    pub clips: String,
 }
 
 impl Default for MotionOptions {
@@ -55,6 +57,7 @@ impl Default for MotionOptions {
             seed: 1,
             betas: [0.0; BETAS],
             follow_changes: true,
+            clips: String::new(),
         }
     }
 }

@@ -16,7 +16,7 @@ pub fn drop_hint(ctx: &Context) {
     let name = name.unwrap_or_else(|| "this file".to_owned());
     let ending = name.rsplit('.').next().unwrap_or_default().to_lowercase();
     let text = if ROOMS.contains(&ending.as_str()) {
-        format!("Open {name} as a room")
+        format!("Open {name} as a room, or add it to the things that people use")
     } else if PROJECTS.contains(&ending.as_str()) {
         format!("Open the project {name}")
     } else {

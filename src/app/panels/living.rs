@@ -7,7 +7,8 @@ use egui::{
 use super::{empty, title};
 use crate::app::icons::{self, Icon};
 use crate::app::jobs::JobKind;
-use crate::app::state::EditorState;
+use crate::app::lived::Touched;
+use crate::app::state::{EditorState, Overlay};
 use crate::app::theme;
 use crate::document::Command;
 use crate::evolve::action::{ActionKind, Suggestion};
@@ -17,10 +18,11 @@ const FIRST: usize = 7;
 
 /// Draws the panel.
 pub fn living(ui: &mut Ui, state: &mut EditorState) {
-    state.living.pointed_out.clear();
+    let pointed_out = std::mem::take(&mut state.living.pointed_out);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let now = state.life_now();
         head(ui, state, now);
+        super::things::things(ui, state);
         if let Some(now) = now {
             suggestions(ui, state, now);
             off(ui, state, now);
@@ -34,6 +36,10 @@ pub fn living(ui: &mut Ui, state: &mut EditorState) {
             last_step(ui, state, now);
         }
     });
+    if state.living.pointed_out != pointed_out {
+        // The view was drawn before this panel: it shows them in the next frame.
+        ui.ctx().request_repaint();
+    }
 }
 
 fn head(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
@@ -121,27 +127,20 @@ fn choices(ui: &mut Ui, state: &mut EditorState) {
                 *only = if kinds.len() == ActionKind::ALL.len() { Vec::new() } else { kinds };
             }
         }
-        banned(ui, state);
     });
-}
-
-fn banned(ui: &mut Ui, state: &mut EditorState) {
-    let mut free = None;
-    ui.horizontal_wrapped(|ui| {
-        for (i, kind) in state.living.choice.banned.iter().enumerate() {
-            if ui.button(format!("{kind} x")).on_hover_text("Banned; click to allow it again").clicked() {
-                free = Some(i);
-            }
-        }
-    });
-    if let Some(i) = free {
-        state.living.choice.banned.remove(i);
-    }
 }
 
 /// What can be done next, the most probable first; hovering points out where.
 fn suggestions(ui: &mut Ui, state: &mut EditorState, now: usize) {
-    title(ui, "What comes next");
+    ui.horizontal(|ui| {
+        title(ui, "What comes next");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let tip = "The graph that these numbers come from, and where things lie: as plots";
+            if ui.small_button("Why so probable?").on_hover_text(tip).clicked() {
+                state.overlay = Overlay::Learned(None);
+            }
+        });
+    });
     let suggestions = state.living.tree[now].lived.suggestions();
     if suggestions.is_empty() {
         empty(ui, "Nothing that is known can be done in this room. See below, and why.");
@@ -180,9 +179,12 @@ fn suggestion_row(ui: &mut Ui, suggestion: &Suggestion, most: f64, enabled: bool
     painter.rect_filled(rect, 3.0, back);
     painter.rect_filled(bar, 3.0, accent.gamma_multiply(if response.hovered() { 0.4 } else { 0.22 }));
     let font = egui::FontId::proportional(12.5);
-    let text = painter.with_clip_rect(rect.with_max_x(rect.right() - 42.0));
-    let left = rect.left_center() + vec2(6.0, 0.0);
-    text.text(left, egui::Align2::LEFT_CENTER, &suggestion.action, font, visuals.text_color());
+    let mut job =
+        egui::text::LayoutJob::simple_singleline(suggestion.action.clone(), font, visuals.text_color());
+    job.wrap = egui::text::TextWrapping::truncate_at_width(rect.width() - 52.0);
+    let galley = painter.layout_job(job);
+    let left = rect.left_center() + vec2(6.0, -0.5 * galley.size().y);
+    painter.galley(left, galley, visuals.text_color());
     painter.text(
         rect.right_center() - vec2(6.0, 0.0),
         egui::Align2::RIGHT_CENTER,
@@ -214,6 +216,12 @@ fn replay(ui: &mut Ui, state: &mut EditorState) {
     }
 }
 
+/// What was asked of a row of the tree.
+enum Wanted {
+    GoTo(usize),
+    Beside(usize),
+}
+
 /// Every state that was reached, branches indented; a click goes there.
 fn tree(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
     let mut wanted = None;
@@ -222,9 +230,34 @@ fn tree(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
             tree_row(ui, state, root, 0, now, &mut wanted);
         }
     }
-    if let Some(node) = wanted {
-        state.show_life(node);
+    match wanted {
+        Some(Wanted::GoTo(node)) => {
+            state.show_life(node);
+        }
+        Some(Wanted::Beside(node)) => state.toggle_beside(node),
+        None => {}
     }
+}
+
+/// A row of the tree from the right edge on; what was asked of it.
+fn tree_row_widgets(ui: &mut Ui, state: &EditorState, node: usize, is_now: bool) -> Option<Wanted> {
+    let text = state.life_label(node);
+    let mut wanted = None;
+    if is_now {
+        ui.add_space(26.0);
+    } else {
+        let (name, strength) = match state.living.beside == Some(node) {
+            true => (format!("No longer beside: {text}"), 1.0),
+            false => (format!("Show beside: {text}"), 0.45),
+        };
+        if icons::button(ui, Icon::Beside, &name, strength).clicked() {
+            wanted = Some(Wanted::Beside(node));
+        }
+    }
+    if filling(ui, is_now, &text).on_hover_text(format!("{text}\nClick to go there")).clicked() {
+        wanted = Some(Wanted::GoTo(node));
+    }
+    wanted
 }
 
 fn tree_row(
@@ -233,21 +266,16 @@ fn tree_row(
     node: usize,
     depth: usize,
     now: Option<usize>,
-    wanted: &mut Option<usize>,
+    wanted: &mut Option<Wanted>,
 ) {
-    let of = &state.living.tree[node];
-    let what = of.step.as_ref().map_or("the room as it was", |step| step.action.as_str());
-    let roll = if of.roll > 0 { format!(" (outcome {})", of.roll + 1) } else { String::new() };
-    let number = of.lived.step_count();
     ui.push_id(("life", node), |ui| {
         ui.horizontal(|ui| {
             ui.add_space(12.0 * depth as f32);
-            let width = ui.available_width();
-            let text = format!("{number}  {what}{roll}");
-            let button = Button::selectable(now == Some(node), (text, egui::Atom::grow())).truncate();
-            if ui.add(button.min_size(vec2(width, 20.0))).on_hover_text("Go there").clicked() {
-                *wanted = Some(node);
-            }
+            row_with_icons(ui, 20.0, |ui| {
+                if let Some(asked) = tree_row_widgets(ui, state, node, now == Some(node)) {
+                    *wanted = Some(asked);
+                }
+            });
         });
     });
     let children: Vec<usize> =
@@ -267,38 +295,50 @@ fn last_step(ui: &mut Ui, state: &mut EditorState, now: usize) {
         ui.weak("Nothing had to come or to move.");
     }
     for (i, thing) in step.touched.iter().enumerate() {
-        let locked = state.document.scene().room.object(thing.id).is_some_and(|object| object.locked);
-        ui.push_id(("touched", i), |ui| {
-            ui.horizontal(|ui| {
-                let width = ui.available_width() - 50.0;
-                let text = (thing.line.as_str(), egui::Atom::grow());
-                let button = Button::selectable(false, text).truncate().min_size(vec2(width, 19.0));
-                let response = ui.add(button).on_hover_text(format!("{}. Click to see it", thing.line));
-                if response.hovered() {
-                    state.living.pointed_out.push(thing.id);
-                }
-                if response.clicked() {
-                    state.look_at_object(thing.id);
-                }
-                let (icon, verb, strength) =
-                    if locked { (Icon::Lock, "Unlock", 0.9) } else { (Icon::Unlock, "Lock", 0.3) };
-                if icons::button(ui, icon, &format!("{verb} {}", thing.line), strength).clicked() {
-                    state.apply(Command::SetObjectsLocked(vec![thing.id], !locked));
-                }
-                if !thing.kind.is_empty() {
-                    let name = format!("Never bring: {}", thing.kind);
-                    if icons::button(ui, Icon::Close, &name, 0.5).clicked() {
-                        state.ban_kind(&thing.kind);
-                    }
-                }
-            });
-        });
+        ui.push_id(("touched", i), |ui| row_with_icons(ui, 19.0, |ui| touched(ui, state, thing)));
     }
     for failed in &step.failed {
         ui.label(RichText::new(failed).small().color(palette.warn));
     }
     if state.living.marks {
         legend(ui);
+    }
+}
+
+/// A row whose icons stand at the right edge; what is added last fills what is left.
+fn row_with_icons(ui: &mut Ui, height: f32, contents: impl FnOnce(&mut Ui)) {
+    let size = vec2(ui.available_width(), height);
+    ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), contents);
+}
+
+/// A button that fills a row; its text is cut where it is too long.
+fn filling(ui: &mut Ui, marked: bool, text: &str) -> egui::Response {
+    let button = Button::selectable(marked, (text, egui::Atom::grow())).truncate();
+    ui.add(button.min_size(vec2(ui.available_width(), 19.0)))
+}
+
+/// One thing that the last action brought or moved, from the right edge on.
+fn touched(ui: &mut Ui, state: &mut EditorState, thing: &Touched) {
+    if thing.kind.is_empty() {
+        ui.add_space(26.0);
+    } else {
+        let name = format!("Never bring: {}", thing.kind);
+        if icons::button(ui, Icon::Ban, &name, 0.5).clicked() {
+            state.ban_kind(&thing.kind);
+        }
+    }
+    let locked = state.document.scene().room.object(thing.id).is_some_and(|object| object.locked);
+    let (icon, verb, strength) =
+        if locked { (Icon::Lock, "Unlock", 0.9) } else { (Icon::Unlock, "Lock", 0.3) };
+    if icons::button(ui, icon, &format!("{verb} {}", thing.line), strength).clicked() {
+        state.apply(Command::SetObjectsLocked(vec![thing.id], !locked));
+    }
+    let response = filling(ui, false, &thing.line).on_hover_text(format!("{}. Click to see it", thing.line));
+    if response.hovered() {
+        state.living.pointed_out.push(thing.id);
+    }
+    if response.clicked() {
+        state.look_at_object(thing.id);
     }
 }
 

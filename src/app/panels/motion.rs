@@ -1,6 +1,6 @@
 //! Motions: which there are, how the next one is made, its sub-goals; and the details of one that is selected.
 
-use egui::{Button, DragValue, Grid, RichText, ScrollArea, Slider, Ui};
+use egui::{Button, DragValue, Grid, RichText, ScrollArea, Slider, TextEdit, Ui};
 
 use super::inspector::{SHAPE_NAMES, name_field, row};
 use super::outliner::{ITEM_ACTIONS, item_row, select_if_needed};
@@ -109,7 +109,6 @@ fn export_menu(ui: &mut Ui, state: &mut EditorState) {
 }
 
 fn method(ui: &mut Ui, state: &mut EditorState) {
-    let missing = state.engine().missing_motion_methods();
     let chosen = state.motion.options.method;
     ui.horizontal(|ui| {
         let label = ui.label("Method");
@@ -118,10 +117,8 @@ fn method(ui: &mut Ui, state: &mut EditorState) {
             .width(ui.available_width() - 8.0);
         let response = combo.show_ui(ui, |ui| {
             for method in MotionMethod::ALL {
-                let why_not = missing.iter().find(|(m, _)| *m == method).map(|(_, why)| why.as_str());
                 let entry = Button::selectable(method == chosen, method.label());
-                let response = ui.add_enabled(why_not.is_none(), entry).on_hover_text(method.strength());
-                if response.on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+                if ui.add(entry).on_hover_text(method.strength()).clicked() {
                     state.motion.options.method = method;
                 }
             }
@@ -129,6 +126,27 @@ fn method(ui: &mut Ui, state: &mut EditorState) {
         response.response.labelled_by(label.id).on_hover_text("Who makes the steps between the sub-goals.");
     });
     ui.label(RichText::new(state.motion.options.method.strength()).small().weak());
+    if state.motion.options.method == MotionMethod::Retrieval {
+        clips_folder(ui, state);
+    }
+}
+
+/// Where the captured pieces are: none come with the program.
+fn clips_folder(ui: &mut Ui, state: &mut EditorState) {
+    ui.horizontal(|ui| {
+        let label = ui.label("Clips");
+        let path =
+            TextEdit::singleline(&mut state.motion.options.clips).hint_text("folder of npz or BVH files");
+        let path = path.desired_width(ui.available_width() - 46.0);
+        ui.add(path).labelled_by(label.id).on_hover_text("Pieces are looked up in all clips of this folder.");
+        let browse = ui.button("...").on_hover_text("Choose the folder");
+        browse.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Button, true, "Choose the folder of clips")
+        });
+        if browse.clicked() {
+            state.requests.clips_dialog = true;
+        }
+    });
 }
 
 fn numbers(ui: &mut Ui, state: &mut EditorState) {

@@ -31,8 +31,14 @@ pub fn overlays(ctx: &Context, state: &mut EditorState) {
         Overlay::Rename(item, text) => rename(ctx, state, item, text),
         Overlay::Recover(path) => recover(ctx, state, &path),
         Overlay::Unsaved(leaving) => unsaved(ctx, state, &leaving),
+        Overlay::Dropped(path) => super::things::dropped(ctx, state, &path),
+        Overlay::ThingPath(text) => super::things::thing_path(ctx, state, text),
+        Overlay::AddThing => super::things::add_thing(ctx, state),
+        Overlay::Learned(node) => window(ctx, state, "What was learned", 880.0, |ui, state| {
+            super::learned::learned(ui, state, node);
+        }),
         Overlay::NewRoom => window(ctx, state, "New room", 520.0, super::new_room::new_room),
-        Overlay::Networks(number) => window(ctx, state, "Networks", 620.0, |ui, state| {
+        Overlay::Networks(number) => window(ctx, state, "Networks", 780.0, |ui, state| {
             super::networks::networks(ui, state, number);
         }),
     }
@@ -314,7 +320,7 @@ pub fn with_project_extension(path: PathBuf) -> PathBuf {
 }
 
 /// A field for a path with its button: whether Enter was pressed, whether the button was.
-fn path_field(ui: &mut Ui, text: &mut String, hint: &str, button: &str) -> (bool, bool) {
+pub(super) fn path_field(ui: &mut Ui, text: &mut String, hint: &str, button: &str) -> (bool, bool) {
     ui.horizontal(|ui| {
         let width = ui.available_width() - 70.0;
         let edit = ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(width));

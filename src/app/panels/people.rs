@@ -47,6 +47,9 @@ pub fn people(ui: &mut Ui, state: &mut EditorState) {
             );
         }
         let count = state.document.scene().people.len();
-        ui.label(RichText::new(format!("{count} people, {} findings", findings.len())).small().weak());
+        let people = if count == 1 { "1 person".to_owned() } else { format!("{count} people") };
+        let found =
+            if findings.len() == 1 { "1 finding".to_owned() } else { format!("{} findings", findings.len()) };
+        ui.label(RichText::new(format!("{people}, {found}")).small().weak());
     });
 }

@@ -10,7 +10,7 @@ struct Figure {
     file: &'static str,
     title: &'static str,
     axis: &'static str,
-    value: fn(&PhysicalRow) -> f32,
+    value: fn(&PhysicalRow) -> Option<f32>,
     range: Option<[f64; 2]>,
     reference: Option<(f64, &'static str)>,
 }
@@ -20,7 +20,7 @@ const FIGURES: [Figure; 6] = [
         file: "non_collision",
         title: "Non-collision (PSI)",
         axis: "share of vertices in free space",
-        value: |r| r.psi_non_collision,
+        value: |r| Some(r.psi_non_collision),
         range: Some([0.5, 1.02]),
         reference: Some((0.98, "0.98 asked for")),
     },
@@ -28,7 +28,7 @@ const FIGURES: [Figure; 6] = [
         file: "contact_2cm",
         title: "Contact within 2 cm",
         axis: "share of bodies",
-        value: |r| r.contact_2cm,
+        value: |r| Some(r.contact_2cm),
         range: Some([0.0, 1.08]),
         reference: Some((0.98, "0.98 asked for")),
     },
@@ -36,7 +36,7 @@ const FIGURES: [Figure; 6] = [
         file: "psi_contact",
         title: "Contact (PSI: some vertex at or in a surface)",
         axis: "share of bodies",
-        value: |r| r.psi_contact,
+        value: |r| Some(r.psi_contact),
         range: Some([0.0, 1.08]),
         reference: None,
     },
@@ -44,7 +44,7 @@ const FIGURES: [Figure; 6] = [
         file: "faultless",
         title: "Bodies without findings",
         axis: "share of bodies",
-        value: |r| r.faultless,
+        value: |r| Some(r.faultless),
         range: Some([0.0, 1.08]),
         reference: None,
     },
@@ -66,12 +66,14 @@ const FIGURES: [Figure; 6] = [
     },
 ];
 
-/// A chart of every figure for every set of rooms, with its file name.
+/// A chart of every figure for every set of rooms, with its file name; none of a figure that no method has.
 pub fn charts(evaluation: &Evaluation) -> Result<Vec<(String, Picture)>, PlotError> {
     let figures = FIGURES.iter().flat_map(|f| evaluation.sets().into_iter().map(move |s| (f, s)));
     figures
-        .map(|(figure, set)| {
-            let picture = bar_chart(&chart(evaluation, figure, set), SIZE)?;
+        .map(|(figure, set)| (figure, set, chart(evaluation, figure, set)))
+        .filter(|(_, _, chart)| chart.series.iter().any(|s| s.values.iter().any(Option::is_some)))
+        .map(|(figure, set, chart)| {
+            let picture = bar_chart(&chart, SIZE)?;
             Ok((format!("plots/{}_{}.png", figure.file, set.replace(' ', "_")), picture))
         })
         .collect()
@@ -81,7 +83,7 @@ fn chart(evaluation: &Evaluation, figure: &Figure, set: &str) -> BarChart {
     let methods = evaluation.methods();
     let value = |method: &str, stage: Stage| {
         let row = evaluation.of_set(method, set, stage).filter(|r| r.bodies > 0)?;
-        Some(f64::from((figure.value)(row)))
+        (figure.value)(row).map(f64::from)
     };
     let series = Stage::ALL.into_iter().map(|stage| BarSeries {
         name: stage.label().to_owned(),

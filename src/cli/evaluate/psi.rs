@@ -18,6 +18,7 @@ use crate::cli::output::OutputFolder;
 use crate::cli::progress::run_job;
 use crate::cli::{Common, Ended, load, use_threads};
 use crate::generate::learned::{LearnedMethod, LearnedSampler};
+use crate::generate::sensor::SceneImage;
 use crate::job::{JobCtx, Seed, Stop};
 use crate::learn::corpus::{Manifest, RoomEntry, Split, ViewKind};
 use crate::learn::evaluate_psi::{
@@ -27,8 +28,6 @@ use crate::learn::evaluate_psi::{
 use crate::nn::psi::PsiMethod;
 use crate::scene::{ImportOptions, Room};
 
-/// The corpus' rooms in the tables.
-const TEST: &str = "test rooms";
 /// Rooms of `--rooms` in the tables.
 const OUTSIDE: &str = "outside rooms";
 
@@ -41,14 +40,18 @@ pub struct PsiArguments {
     /// Methods to evaluate, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Subject::Random, Subject::Search, Subject::S1])]
     pub methods: Vec<Subject>,
-    /// A corpus of `inhabit stage`: its test rooms are evaluated, and its people give Table 1.
+    /// A corpus of `inhabit stage`: its test rooms are evaluated through its virtual cameras, and its people give
+    /// Table 1.
     #[arg(long, value_name = "DIR")]
     pub corpus: Option<PathBuf>,
+    /// Which of the corpus' rooms: `validation` to choose between networks, `test` to report.
+    #[arg(long, value_enum, default_value_t = EvaluatedSplit::Test)]
+    pub split: EvaluatedSplit,
     /// Take the networks' weights from this folder (`s1.safetensors`, `s1_hs.safetensors`, `s2.safetensors`,
     /// `s2_hs.safetensors`, `baseline.safetensors`) instead of the program.
     #[arg(long, value_name = "DIR")]
     pub weights: Option<PathBuf>,
-    /// At most this many of the corpus' test rooms.
+    /// At most this many of the corpus' rooms.
     #[arg(long, value_name = "N")]
     pub test_rooms: Option<usize>,
     /// A folder with rooms that nobody trained on (GLB, glTF, OBJ, PLY, also in folders inside), or one room; may
@@ -67,12 +70,31 @@ pub struct PsiArguments {
     /// Of these, how many are fitted, by each of the two fits.
     #[arg(long, value_name = "N", default_value_t = EvaluationConfig::default().fitted)]
     pub fitted: usize,
-    /// The agent's views of each room, among which the samples are shared out.
+    /// Views of each room, among which the samples are shared out: virtual cameras' in the corpus, an agent's elsewhere.
     #[arg(long, value_name = "N", default_value_t = EvaluationConfig::default().views)]
     pub views: usize,
     /// Options of every command.
     #[command(flatten)]
     pub common: Common,
+}
+
+/// Rooms of a corpus that nobody learns from.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EvaluatedSplit {
+    /// Rooms by which networks are compared while they are made.
+    Validation,
+    /// Rooms for the tables.
+    Test,
+}
+
+impl EvaluatedSplit {
+    /// The split and its name in the tables.
+    fn named(self) -> (Split, &'static str) {
+        match self {
+            Self::Validation => (Split::Validation, "validation rooms"),
+            Self::Test => (Split::Test, "test rooms"),
+        }
+    }
 }
 
 /// The rows of the tables.
@@ -138,6 +160,7 @@ struct Work {
     methods: Vec<MethodToEvaluate>,
     config: EvaluationConfig,
     corpus: Option<(PathBuf, Manifest)>,
+    split: EvaluatedSplit,
 }
 
 /// What `evaluation.json` holds.
@@ -177,7 +200,7 @@ fn prepared(arguments: &PsiArguments) -> anyhow::Result<Work> {
     let mut corpus = None;
     if let Some(folder) = &arguments.corpus {
         let manifest = read_manifest(folder)?;
-        let tests = manifest.rooms.iter().filter(|r| r.split == Split::Test);
+        let tests = manifest.rooms.iter().filter(|r| r.split == arguments.split.named().0);
         let tests = tests.take(arguments.test_rooms.unwrap_or(usize::MAX));
         sources.extend(tests.map(|entry| Source::Corpus(folder.clone(), entry.clone())));
         corpus = Some((folder.clone(), manifest));
@@ -197,7 +220,7 @@ fn prepared(arguments: &PsiArguments) -> anyhow::Result<Work> {
         views: arguments.views,
         ..EvaluationConfig::default()
     };
-    Ok(Work { sources, methods: methods(arguments)?, config, corpus })
+    Ok(Work { sources, methods: methods(arguments)?, config, corpus, split: arguments.split })
 }
 
 fn evaluate(work: Work, cx: &JobCtx) -> Result<Evaluation, Stop> {
@@ -209,21 +232,38 @@ fn evaluate(work: Work, cx: &JobCtx) -> Result<Evaluation, Stop> {
         }
     }
     for source in &work.sources {
-        let (name, set, room) = opened(source).map_err(|error| Stop::Failed(format!("{error:#}")))?;
+        let (name, room, images) =
+            opened(source, work.config.views).map_err(|error| Stop::Failed(format!("{error:#}")))?;
+        let set = match source {
+            Source::Corpus(..) => work.split.named().1,
+            Source::File(_) => OUTSIDE,
+        };
         let room = Arc::new(room);
         let geometry = load::geometry(&room, cx.ticker())?;
-        evaluator.room(&EvaluationRoom { name, set: set.to_owned(), room, geometry }, cx)?;
+        evaluator.room(&EvaluationRoom { name, set: set.to_owned(), room, geometry, images }, cx)?;
     }
     Ok(evaluator.finish(cx.seed))
 }
 
-fn opened(source: &Source) -> anyhow::Result<(String, &'static str, Room)> {
+/// A room with its name and, in a corpus, what `views` of its virtual cameras see, evenly from all.
+fn opened(source: &Source, views: usize) -> anyhow::Result<(String, Room, Vec<SceneImage>)> {
     match source {
-        Source::Corpus(folder, entry) => Ok((entry.name.clone(), TEST, read_room_model(folder, entry)?)),
+        Source::Corpus(folder, entry) => {
+            let seen = read_room(folder, entry)?.views;
+            let aimed: Vec<_> = seen.iter().filter(|v| v.kind == ViewKind::Virtual).collect();
+            anyhow::ensure!(
+                !aimed.is_empty(),
+                "{} has no virtual cameras: stage it with --views",
+                entry.name
+            );
+            let count = views.min(aimed.len());
+            let images = (0..count).map(|i| aimed[i * aimed.len() / count].scene_image()).collect();
+            Ok((entry.name.clone(), read_room_model(folder, entry)?, images))
+        }
         Source::File(file) => {
             let room = load::load(Some(file), &ImportOptions::default())?.room;
             let name = file.file_stem().map_or_else(|| "room".into(), |n| n.to_string_lossy().into_owned());
-            Ok((name, OUTSIDE, Room::clone(&room)))
+            Ok((name, Room::clone(&room), Vec::new()))
         }
     }
 }

@@ -15,7 +15,9 @@ use super::super::{Common, Ended, use_threads};
 use crate::assets::{Weights, encode_png};
 use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::learn::corpus::{RoomEntry, Split, corpus_geometry};
-use crate::learn::psi::{History, LossPreset, PsiData, PsiTraining, TrainingInput, TrainingState, train};
+use crate::learn::psi::{
+    DrawnWeights, History, LossPreset, PsiData, PsiTraining, TrainingInput, TrainingState, train,
+};
 use crate::nn::psi::{PsiConfig, PsiMethod};
 use crate::render::plot::{Curve, LineChart, Scale, VerticalMark, line_chart};
 use crate::scene::{SignedDistanceField, bake_cached};
@@ -76,6 +78,11 @@ pub struct Arguments {
     /// Contact and collision with the room join the loss in the last quarter (L_HS).
     #[arg(long)]
     scene_loss: bool,
+    /// L_HS also on bodies of codes drawn from N(0, I), which is how bodies are sampled later (ours; the paper's sees
+    /// reconstructions only): weights of their contact and collision, and c of the contact in metres.
+    #[arg(long, requires = "scene_loss", value_name = "CONTACT,COLLISION,C", value_parser = drawn_weights,
+        num_args = 0..=1, default_missing_value = "1,1,0.1")]
+    drawn: Option<DrawnWeights>,
     /// How large the network is.
     #[arg(long, value_enum, default_value_t = Size::Compact)]
     size: Size,
@@ -106,6 +113,17 @@ pub struct Arguments {
     checkpoint_every: usize,
     #[command(flatten)]
     common: Common,
+}
+
+/// Three numbers, as in `1,1,0.1`.
+fn drawn_weights(text: &str) -> Result<DrawnWeights, String> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[contact, collision, robust_c_m]) if contact >= 0.0 && collision >= 0.0 && robust_c_m > 0.0 => {
+            Ok(DrawnWeights { contact, collision, robust_c_m })
+        }
+        _ => Err("give three numbers: contact, collision and c in metres, as in 1,1,0.1".to_owned()),
+    }
 }
 
 /// Runs the command.
@@ -161,6 +179,7 @@ impl Arguments {
                     semantics: published.semantics,
                     valid_mask: false,
                     camera_scale: false,
+                    floor_plane: false,
                     ..base.network.clone()
                 }
             }
@@ -177,6 +196,7 @@ impl Arguments {
             learning_rate: self.rate.unwrap_or(base.learning_rate),
             weights: preset.into(),
             scene_loss: self.scene_loss,
+            drawn: self.drawn,
             ..base
         };
         training.weights.kl = self.kl.unwrap_or(training.weights.kl);

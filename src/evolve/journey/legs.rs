@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::resolve::flat;
 use super::states::{Job, Node, Task, empty_clip};
 use super::{Cast, JourneyPreview, MotionMethod, Stage, by_memory};
 use crate::fit::sequence::{SequenceConfig, SequenceFitter, SequenceTask};
@@ -13,6 +14,7 @@ use crate::motion::gait;
 use crate::motion::learned::LearnedMotion;
 use crate::motion::leg::LegMotion;
 use crate::motion::networks;
+use crate::motion::plan::Planner;
 use crate::motion::subgoal::SubGoalBodies;
 use crate::scene::{Clip, Leg, PoseFamily, SubGoalId};
 
@@ -50,7 +52,9 @@ impl Legs {
                 Some(motion) => motion,
                 None => make(cast, job, ticker)?,
             };
-            let done = is_kept || !cast.request.optimise;
+            // Who stays is in a body that is fitted already, and breathing moves it by millimetres.
+            let stays = matches!(job.task, Task::Stay { .. });
+            let done = is_kept || stays || !cast.request.optimise;
             let rests = rests(job.families, motion.frames.len(), job.from == job.to);
             Ok(Part { from: job.from, to: job.to, key: job.key, motion, rests, kept: is_kept, done })
         };
@@ -121,7 +125,9 @@ fn kept_motion(clip: Option<&Clip>, job: &Job) -> Option<LegMotion> {
 fn make(cast: &Cast<'_>, job: &Job, ticker: &Ticker) -> Result<LegMotion, Stop> {
     match (&job.task, cast.request.method) {
         (Task::Stay { still, seconds, seed }, _) => {
-            Ok(gait::idle(cast.body, &cast.request.betas, still, *seconds, *seed))
+            let floor_y =
+                Planner::new(cast.geometry, cast.request.plan).on_floor(flat(still.frame.translation)).y;
+            Ok(gait::idle(cast.body, &cast.request.betas, still, floor_y, *seconds, *seed))
         }
         (Task::Move(input), MotionMethod::Gait) => Ok(gait::synthesise_leg(cast.body, input, ticker)?),
         (Task::Move(input), MotionMethod::Learned) => {

@@ -34,9 +34,9 @@ pub use self::others::Meeting;
 pub use self::tour::tour;
 
 /// A requested position is met when the pelvis is this near, centimetres.
-pub const GOAL_CM: f32 = 5.0;
+pub const GOAL_CM: f32 = 3.0;
 /// A requested facing is met when the body is turned by at most this, degrees.
-pub const GOAL_DEG: f32 = 10.0;
+pub const GOAL_DEG: f32 = 5.0;
 
 /// Who makes the legs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

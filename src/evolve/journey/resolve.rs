@@ -12,10 +12,9 @@ use crate::inspect::{Finding, Limits, Site, inspect_body};
 use crate::job::{Cancelled, Seed, Ticker};
 use crate::math::Aabb;
 use crate::motion::gait;
-use crate::motion::leg::FootPlace;
 use crate::motion::plan::{Blocked, PlanConfig, Planner, Seated, Spot, Station, Unreachable, stances};
 use crate::scene::{
-    BETAS, BodyParams, Category, Frame, GoalPose, PoseFamily, SubGoal, direction_of, facing_of,
+    BETAS, BodyParams, Category, Frame, GoalPose, PoseFamily, RoomGeometry, SubGoal, direction_of, facing_of,
 };
 
 /// Seats and beds farther from the point asked for than this don't come into question, metres.
@@ -30,16 +29,25 @@ const TURNED: f32 = 1.2;
 const HALF_TURN_M: f32 = 0.8;
 /// Places of one seat that are tried, and ways to hold oneself at each.
 const TRIES: (usize, u64) = (3, 2);
-/// Weight of the place in a fit, per squared metre: a centimetre and a half off weighs as much as a gap of a centimetre.
+/// Weights of the place in a fit, per squared metre: a centimetre and a half off weighs as much as a gap of a centimetre,
+/// and along the floor, where the point was asked for, a third of a centimetre does.
 const PLACE: f32 = 80.0;
+const OVER: f32 = 2000.0;
 /// Points no higher than this above the floor are on the floor, metres.
 const ON_FLOOR_M: f32 = 0.2;
-/// A miss of this many centimetres, or degrees, is as bad as a finding that misses its limit by its own size.
-const MISS: (f32, f32) = (10.0, 25.0);
+/// A miss of this many centimetres, or degrees, is as bad as a finding that misses its limit by its own size: what was
+/// asked for comes before how well it is done.
+const MISS: (f32, f32) = (2.0, 4.0);
 /// How much less one likes to lie face down or on the side, metres of distance.
 const LIES_OTHERWISE_M: f32 = 0.15;
 /// Height at which people look around, metres, and how far they care to see.
 const EYES_M: (f32, f32) = (1.5, 4.0);
+/// Sitting at a corner of a bed is worth half of this detour, metres.
+const CORNER_M: f32 = 0.3;
+/// Getting in over the side or the back of a sofa instead of from the front is worth this detour, metres.
+const OVER_THE_SIDE_M: f32 = 0.5;
+/// A back this high, metres, says which way a seat faces.
+const BACK_M: f32 = 0.25;
 /// Free radius where one gets up from a bed's edge, metres.
 const GET_UP_M: f32 = 0.15;
 /// From below the pelvis of somebody on a bed's edge to where they stand once they got up, metres.
@@ -95,6 +103,35 @@ pub(super) fn flat(v: Vec3) -> Vec2 {
     Vec2::new(v.x, v.z)
 }
 
+/// The direction along or across the edges of a place's surface that is nearest to the place's own, and how straight the
+/// place itself is: 1 for that direction, -1 for one that halves a corner.
+pub(super) fn along_edges(geometry: &RoomGeometry, place: &Place) -> (Vec2, f32) {
+    let surface = place.support.and_then(|index| geometry.supports.get(index));
+    // Four times an angle does not know which of the four sides is meant.
+    let fourfold = |d: Vec2| Vec2::from_angle(4.0 * d.to_angle());
+    let sum: Vec2 = surface.into_iter().flat_map(|s| &s.edges).map(|e| fourfold(flat(e.outward))).sum();
+    let Some(edges) = sum.try_normalize() else { return (place.facing, 0.0) };
+    let own = fourfold(place.facing);
+    let turn = own.angle_to(edges) / 4.0;
+    (Vec2::from_angle(turn).rotate(place.facing), own.dot(edges))
+}
+
+/// 1 for facing away from what rises highest behind a seat, -1 for facing it, 0 for a seat without a back.
+pub(super) fn away_from_back(geometry: &RoomGeometry, place: &Place) -> f32 {
+    let surface = place.support.and_then(|index| geometry.supports.get(index));
+    let backs = surface.into_iter().flat_map(|s| &s.backs).filter(|b| b.height_m >= BACK_M);
+    let back = backs.max_by(|a, b| (a.height_m * a.length_m).total_cmp(&(b.height_m * b.length_m)));
+    back.map_or(0.0, |b| place.facing.dot(flat(-b.direction)))
+}
+
+/// What speaks against a place on an edge for lying down at a point from there, metres: how far it is, and sitting at a
+/// corner or towards the back.
+pub(super) fn edge_cost(geometry: &RoomGeometry, place: &Place, pelvis: Vec3) -> f32 {
+    flat(place.under_pelvis - pelvis).length()
+        - CORNER_M * along_edges(geometry, place).1
+        - OVER_THE_SIDE_M * away_from_back(geometry, place)
+}
+
 /// Joints of a frame's body, world frame.
 fn figure(body: &Body, betas: &[f32; BETAS], frame: &Frame) -> Vec<Vec3> {
     FrameJoints::of(&body.model.rest_joints(betas), frame).positions.to_vec()
@@ -107,16 +144,6 @@ fn place_of(joints: &[Vec3], frame: &Frame, pose: GoalPose) -> (Vec3, f32) {
         _ => frame.rotation * Vec3::Z,
     };
     (joints[j::PELVIS], facing_of(flat(direction)))
-}
-
-/// A seated body as the planner sees it, its feet on the floor below.
-fn seated(planner: &Planner<'_>, joints: &[Vec3], facing: f32) -> Seated {
-    let foot = |ankle: usize, ball: usize| FootPlace {
-        at: planner.on_floor(flat(joints[ankle])),
-        heading: facing_of(flat(joints[ball] - joints[ankle])),
-    };
-    let feet = [foot(j::LEFT_ANKLE, j::LEFT_FOOT), foot(j::RIGHT_ANKLE, j::RIGHT_FOOT)];
-    Seated { pelvis: joints[j::PELVIS], facing, feet }
 }
 
 /// Finds bodies for the sub-goals of one journey.
@@ -132,6 +159,8 @@ struct Candidate {
     params: BodyParams,
     on: String,
     badness: f32,
+    /// Whether place and facing are those asked for, and whether nothing at all speaks against it.
+    met: bool,
     clean: bool,
 }
 
@@ -144,7 +173,29 @@ impl<'a> Resolver<'a> {
         } else {
             Vec::new()
         };
-        Ok(Self { cast, places, fitter: Fitter::new(cast.body), seed })
+        Ok(Self::among(cast, places, seed))
+    }
+
+    /// Finds bodies at these places of the room.
+    pub fn among(cast: &'a Cast<'a>, places: Vec<Place>, seed: Seed) -> Self {
+        Self { cast, places, fitter: Fitter::new(cast.body), seed }
+    }
+
+    /// The places of the room.
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// What speaks against a body at the very point of a sub-goal: 0 for nothing, infinity where none is met there.
+    pub fn fault(&self, goal: &SubGoal, ticker: &Ticker) -> Result<f32, Cancelled> {
+        let near = self.near_places(goal, if goal.pose == GoalPose::Lie { "lie" } else { "sit" });
+        let Some(place) = near.first() else { return Ok(f32::INFINITY) };
+        let found = self.candidate(goal, place, true, self.seed, false, ticker)?;
+        Ok(match (found.clean, found.met) {
+            (true, _) => 0.0,
+            (false, true) => found.badness,
+            _ => f32::INFINITY,
+        })
     }
 
     /// Every sub-goal that has a place, and why the others have none. `quick` leaves bodies as they were settled.
@@ -287,10 +338,10 @@ impl<'a> Resolver<'a> {
         let (edge, sits) = if lies {
             match self.edge(goal, support, place.0, quick, ticker)? {
                 Some((edge, sits)) => (Some(edge), sits),
-                None => (None, seated(&planner, &joints, place.1)),
+                None => (None, self.seated(&planner, &frame, place)),
             }
         } else {
-            (None, seated(&planner, &joints, place.1))
+            (None, self.seated(&planner, &frame, place))
         };
         let family = if lies { lying_family(&frame) } else { self.seat_family(first) };
         let goal = SubGoal { body: Some(frame), ..goal.clone() };
@@ -396,7 +447,7 @@ impl<'a> Resolver<'a> {
         let proposal = settle_person(body, geometry, place, &self.cast.request.betas, exactly, seed);
         let on = proposal.on;
         if quick {
-            return Ok(Candidate { params: proposal.params, on, badness: 0.0, clean: true });
+            return Ok(Candidate { params: proposal.params, on, badness: 0.0, met: true, clean: true });
         }
         let around = Surroundings::new(geometry, Aabb::of(body.pose(&proposal.params).vertices));
         let config = held_config();
@@ -412,7 +463,7 @@ impl<'a> Resolver<'a> {
         let met = cm <= super::GOAL_CM && deg <= super::GOAL_DEG;
         let faults: f32 = findings.iter().map(Finding::severity).sum();
         let badness = faults + cm / MISS.0 + deg / MISS.1;
-        Ok(Candidate { params: fitted.params, on, badness, clean: findings.is_empty() && met })
+        Ok(Candidate { params: fitted.params, on, badness, met, clean: findings.is_empty() && met })
     }
 
     /// The body that sits on the edge of the bed `support` nearest to a lying person's pelvis, where there is floor to
@@ -435,8 +486,8 @@ impl<'a> Resolver<'a> {
                 && floor.clearance_at(feet(p)) > GET_UP_M
         };
         let mut places: Vec<Place> = self.places.iter().filter(usable).cloned().collect();
-        let away = |p: &Place| flat(p.under_pelvis - pelvis).length();
-        places.sort_by(|a, b| away(a).total_cmp(&away(b)));
+        let cost = |p: &Place| edge_cost(self.cast.geometry, p, pelvis);
+        places.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
         places.truncate(TRIES.0);
         let Some(first) = places.first() else { return Ok(None) };
         let at =
@@ -446,8 +497,17 @@ impl<'a> Resolver<'a> {
         let frame = self.frame(&found.params);
         let joints = figure(self.cast.body, &self.cast.request.betas, &frame);
         let planner = Planner::new(self.cast.geometry, PlanConfig::default());
-        let facing = place_of(&joints, &frame, GoalPose::Sit).1;
-        Ok(Some((frame, seated(&planner, &joints, facing))))
+        let place = place_of(&joints, &frame, GoalPose::Sit);
+        let sits = self.seated(&planner, &frame, place);
+        Ok(Some((frame, sits)))
+    }
+
+    /// A seated body as the planner sees it, its feet where they stand when it gets up.
+    fn seated(&self, planner: &Planner<'_>, frame: &Frame, (pelvis, facing): (Vec3, f32)) -> Seated {
+        let floor_y = planner.on_floor(flat(pelvis)).y;
+        let mut feet = gait::feet_before(self.cast.body, &self.cast.request.betas, frame, floor_y);
+        feet.iter_mut().for_each(|foot| foot.at = planner.on_floor(flat(foot.at)));
+        Seated { pelvis, facing, feet }
     }
 }
 
@@ -456,6 +516,7 @@ fn held_config() -> FitConfig {
     let mut config = FitConfig::default();
     if let Objective::Rescue(weights) = &mut config.objective {
         weights.place = PLACE;
+        weights.over = OVER;
     }
     config
 }

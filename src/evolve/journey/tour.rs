@@ -3,13 +3,15 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
-use super::resolve::flat;
+use super::resolve::{Resolver, along_edges, away_from_back, edge_cost, flat};
+use super::{Cast, JourneyRequest};
+use crate::body::Body;
 use crate::generate::{Place, all_places};
 use crate::job::{Cancelled, Seed, Ticker};
 use crate::motion::leg::FootPlace;
-use crate::motion::plan::{PlanConfig, Planner, Seated, Spot, Stance, stances};
+use crate::motion::plan::{PlanConfig, Planner, Seated, Side, Spot, Stance, stances};
 use crate::scene::{Category, GoalPose, PoseFamily, Room, RoomGeometry, SubGoal, SubGoalId, facing_of};
 
 /// Somebody who stands somewhere without a reason has this much room, metres.
@@ -25,7 +27,16 @@ const SPEED_M_PER_S: f32 = 0.6;
 const LEAST_STAY_S: f32 = 2.0;
 const STANDING_S: f32 = 2.5;
 /// Places of a kind that are tried before the tour goes on without.
-const TRIES: usize = 24;
+const TRIES: usize = 40;
+/// Places that can be reached at which a body is tried before the tour goes on without.
+const BODIES: usize = 8;
+/// What facing away from the back, lying or sitting along the edges, and coming in from the front rather than squeezing
+/// in at a table, are worth against a place's own weight.
+const AWAY: f32 = 1.0;
+const STRAIGHT: f32 = 0.4;
+const IN_FRONT: f32 = 0.3;
+/// Directions are the same when their cosine is above this: within six degrees.
+const SAME: f32 = 0.9945;
 /// Farther than this from a border nobody cares how far, metres.
 const INSIDE_M: f32 = 0.4;
 /// From below the pelvis of a seated person to between the feet, metres, and the pelvis over the seat.
@@ -45,7 +56,8 @@ struct Guide<'a> {
     room: &'a Room,
     geometry: &'a RoomGeometry,
     planner: Planner<'a>,
-    places: Vec<Place>,
+    bodies: &'a Resolver<'a>,
+    ticker: &'a Ticker,
 }
 
 /// Sub-goals of a tour that takes about `seconds`; fewer than two where nobody can walk.
@@ -59,21 +71,16 @@ pub fn tour(
     ticker: &Ticker,
 ) -> Result<Vec<SubGoal>, Cancelled> {
     let places = all_places(room, geometry, Seed::root(0), ticker)?;
-    let guide = Guide { room, geometry, planner: Planner::new(geometry, PlanConfig::default()), places };
+    let request = JourneyRequest::default();
+    let cast = Cast { room, geometry, body: Body::bundled(), request: &request };
+    let bodies = Resolver::among(&cast, places, Seed::root(0));
+    let planner = Planner::new(geometry, PlanConfig::default());
+    let guide = Guide { room, geometry, planner, bodies: &bodies, ticker };
     let Some(door) = guide.door() else { return Ok(Vec::new()) };
     let from = door.spot;
-    let chair =
-        guide.seat(&from, None, |p| p.family == PoseFamily::SitChair && p.hints.table_height_m.is_some());
-    let chair = chair.or_else(|| guide.seat(&from, None, |p| p.family == PoseFamily::SitChair));
-    ticker.check()?;
-    let taken = chair.as_ref().and_then(|c| c.support);
-    let sofa = guide.seat(&from, taken, |p| p.family == PoseFamily::SitSofa);
-    let soft =
-        |p: &Place| matches!(p.family, PoseFamily::SitChair | PoseFamily::SitStool | PoseFamily::SitEdge);
-    let sofa = sofa.or_else(|| guide.seat(&from, taken, soft));
-    ticker.check()?;
+    let (chair, sofa) = guide.seats(&from)?;
     let view = guide.view(&from, &[Category::Window, Category::Picture, Category::Shelving]);
-    let bed = guide.bed(&from);
+    let bed = guide.bed(&from)?;
     let back = Visit { facing: door.facing + 2.0 * FRAC_PI_2, ..guide.copy(&door) };
     let at_view = 1 + usize::from(chair.is_some()) + usize::from(sofa.is_some());
     let views = view.is_some();
@@ -107,20 +114,76 @@ impl Guide<'_> {
         Some(Visit { at, facing, pose: GoalPose::Stand, spot: Spot::open(at), support: None })
     }
 
+    /// A desk chair, else another, and a sofa, else another soft seat that is no bed.
+    fn seats(&self, from: &Spot) -> Result<(Option<Visit>, Option<Visit>), Cancelled> {
+        let at_table = |p: &Place| p.family == PoseFamily::SitChair && p.hints.table_height_m.is_some();
+        let mut chair = self.seat(from, None, at_table)?;
+        if chair.is_none() {
+            chair = self.seat(from, None, |p| p.family == PoseFamily::SitChair)?;
+        }
+        let taken = chair.as_ref().and_then(|c| c.support);
+        let mut sofa = self.seat(from, taken, |p| p.family == PoseFamily::SitSofa)?;
+        if sofa.is_none() {
+            use PoseFamily::{SitChair, SitEdge, SitStool};
+            let soft = |p: &Place| {
+                matches!(p.family, SitChair | SitStool | SitEdge) && self.category(p) != Some(Category::Bed)
+            };
+            sofa = self.seat(from, taken, soft)?;
+        }
+        Ok((chair, sofa))
+    }
+
+    fn category(&self, place: &Place) -> Option<Category> {
+        let object = place.support.and_then(|s| self.geometry.supports[s].object);
+        object.and_then(|id| self.room.object(id)).map(|o| o.category)
+    }
+
+    /// The first of the visits against whose body nothing speaks, else that with the least faults among those whose body
+    /// is where it should be.
+    fn held(&self, visits: Vec<Visit>) -> Result<Option<Visit>, Cancelled> {
+        let mut best = (usize::MAX, f32::INFINITY);
+        for (index, visit) in visits.iter().take(BODIES).enumerate() {
+            let fault = self.bodies.fault(&sub_goal(SubGoalId(0), visit, 0.0), self.ticker)?;
+            if fault < best.1 {
+                best = (index, fault);
+            }
+            if fault == 0.0 {
+                break;
+            }
+        }
+        Ok(visits.into_iter().nth(best.0))
+    }
+
     /// The most inviting seat of a kind that can be reached.
-    fn seat(&self, from: &Spot, except: Option<usize>, kind: impl Fn(&Place) -> bool) -> Option<Visit> {
+    fn seat(
+        &self,
+        from: &Spot,
+        except: Option<usize>,
+        kind: impl Fn(&Place) -> bool,
+    ) -> Result<Option<Visit>, Cancelled> {
         let other = |p: &&Place| {
             let object = |s: Option<usize>| s.and_then(|s| self.geometry.supports[s].object);
             p.family.group() == "sit" && (except.is_none() || object(p.support) != object(except))
         };
-        let mut found: Vec<&Place> = self.places.iter().filter(other).filter(|p| kind(p)).collect();
-        let rank = |p: &Place| p.weight + self.between_m(p);
+        let mut found: Vec<&Place> = self.bodies.places().iter().filter(other).filter(|p| kind(p)).collect();
+        let rank = |p: &Place| {
+            p.weight
+                + self.between_m(p)
+                + AWAY * away_from_back(self.geometry, p)
+                + STRAIGHT * along_edges(self.geometry, p).1
+        };
         found.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
         spread(&mut found);
-        found.into_iter().take(TRIES).find_map(|place| {
+        let reached = |place: &Place| {
             let stance = self.stance(place, from)?;
-            Some(self.visit(place, GoalPose::Sit, facing_of(place.facing), stance.spot()))
-        })
+            let in_front = matches!(stance.side, Side::Front | Side::Ahead);
+            let room_m = self.planner.floor().clearance_at(flat(stance.at)).min(INSIDE_M);
+            let rank = rank(place) + room_m + if in_front { IN_FRONT } else { 0.0 };
+            Some((rank, self.visit(place, GoalPose::Sit, facing_of(place.facing), stance.spot())))
+        };
+        let mut visits: Vec<(f32, Visit)> = found.into_iter().take(TRIES).filter_map(reached).collect();
+        visits.sort_by(|a, b| b.0.total_cmp(&a.0));
+        self.held(visits.into_iter().map(|(_, visit)| visit).collect())
     }
 
     /// How far a place is from the border of what it is on, at most [`INSIDE_M`], metres.
@@ -162,29 +225,38 @@ impl Guide<'_> {
     }
 
     /// The best place to lie on the back where one can sit on the edge first: a bed, else whatever is long enough.
-    fn bed(&self, from: &Spot) -> Option<Visit> {
-        let category = |p: &Place| {
-            let object = p.support.and_then(|s| self.geometry.supports[s].object);
-            object.and_then(|id| self.room.object(id)).map(|o| o.category)
-        };
-        let mut found: Vec<&Place> = self.places.iter().filter(|p| p.family == PoseFamily::LieUp).collect();
+    fn bed(&self, from: &Spot) -> Result<Option<Visit>, Cancelled> {
+        let places = self.bodies.places();
+        let mut found: Vec<&Place> = places.iter().filter(|p| p.family == PoseFamily::LieUp).collect();
         let rank = |p: &Place| {
-            let bed = category(p) == Some(Category::Bed);
-            p.weight + self.inside_m(p) + if bed { 2.0 } else { 0.0 }
+            let bed = self.category(p) == Some(Category::Bed);
+            p.weight
+                + self.inside_m(p)
+                + STRAIGHT * along_edges(self.geometry, p).1
+                + if bed { 2.0 } else { 0.0 }
         };
         found.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
         spread(&mut found);
-        found.into_iter().take(TRIES).find_map(|lie| {
-            let edges = self.places.iter().filter(|p| {
+        let reached = |lie: &Place| {
+            let edges = places.iter().filter(|p| {
                 p.support == lie.support && p.family.group() == "sit" && p.family != PoseFamily::SitStraight
             });
-            let near = |p: &Place| p.under_pelvis.distance(lie.under_pelvis);
+            let cost = |p: &Place| edge_cost(self.geometry, p, lie.under_pelvis);
             let mut edges: Vec<&Place> = edges.collect();
-            edges.sort_by(|a, b| near(a).total_cmp(&near(b)));
+            edges.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
             spread(&mut edges);
             let stance = edges.into_iter().take(4).find_map(|edge| self.stance(edge, from))?;
-            Some(self.visit(lie, GoalPose::Lie, facing_of(-lie.facing), stance.spot()))
-        })
+            // One lies along the bed, wherever its middle axis leads, else as the place says.
+            let along = along_edges(self.geometry, lie).0;
+            let visit = |head: Vec2| self.visit(lie, GoalPose::Lie, facing_of(-head), stance.spot());
+            Some(if along.dot(lie.facing) > SAME {
+                vec![visit(along)]
+            } else {
+                vec![visit(along), visit(lie.facing)]
+            })
+        };
+        let visits = found.into_iter().take(TRIES).filter_map(reached).flatten().take(BODIES).collect();
+        self.held(visits)
     }
 
     /// Somewhere to stand and look at something on a wall.
@@ -222,17 +294,22 @@ impl Guide<'_> {
     fn timed(&self, visits: &[Visit], seconds: f32) -> Vec<SubGoal> {
         let left_s = seconds - self.busy_s(visits);
         let stay_s = (left_s / rests(visits).max(1) as f32).max(LEAST_STAY_S);
-        let goal = |(index, v): (usize, &Visit)| SubGoal {
-            id: SubGoalId(index as u32),
-            at: v.at,
-            facing: Some(v.facing),
-            pose: v.pose,
-            stay_s: if v.pose == GoalPose::Stand { STANDING_S } else { stay_s },
-            planned: false,
-            locked: false,
-            body: None,
-        };
-        visits.iter().enumerate().map(goal).collect()
+        let numbered = visits.iter().enumerate();
+        numbered.map(|(index, v)| sub_goal(SubGoalId(index as u32), v, stay_s)).collect()
+    }
+}
+
+/// A visit as a sub-goal; `stay_s` counts on seats and beds.
+fn sub_goal(id: SubGoalId, v: &Visit, stay_s: f32) -> SubGoal {
+    SubGoal {
+        id,
+        at: v.at,
+        facing: Some(v.facing),
+        pose: v.pose,
+        stay_s: if v.pose == GoalPose::Stand { STANDING_S } else { stay_s },
+        planned: false,
+        locked: false,
+        body: None,
     }
 }
 

@@ -153,8 +153,8 @@ fn ours() -> SequenceConfig {
         self_collision: 20.0,
         joint_limits: 2.0,
         feet: 600.0,
-        stay: 0.15,
-        change: 10.0,
+        stay: 0.5,
+        change: 100.0,
         smooth: 30.0,
     });
     // The second moment is shared by all frames and forgets within some twenty steps: the energy falls by orders of

@@ -6,7 +6,7 @@ use super::descent::{MotionEnergy, Subject, Terms, Window};
 use super::lock::Lock;
 use super::ours::OurEnergy;
 use super::paper::{PaperEnergy, PaperScene};
-use super::stance::FootPlan;
+use super::stance::{FootPlan, foot_of};
 use crate::body::joints::{BODY_JOINTS, JOINTS};
 use crate::body::{Body, Feet, FrameJoints, JointLimit, VertexSubset, Workspace, joint_limits};
 use crate::fit::probe::Probe;
@@ -65,6 +65,13 @@ const SKIN_SAMPLE_M: f32 = 0.045;
 const REGION_SAMPLE: usize = 40;
 /// A frame with a vertex deeper than this after the feet are locked goes through another round, metres.
 const DEEP_M: f32 = 0.02;
+/// In this many frames before and after one with a fault ours may change a motion; farther off it stays as it came in.
+const NEAR_FRAMES: usize = 24;
+/// Faults: a vertex this deep in something, or a planted foot this far off its place, metres.
+const TOUCHES_M: f32 = 0.004;
+const STRAYS_M: f32 = 0.01;
+/// Neighbours of a held frame that is deep in something can't be much better than that frame, metres.
+const AS_DEEP_M: f32 = 0.003;
 /// A body reaches this far from its pelvis, metres, and moves a little.
 const REACH_M: f32 = 1.3;
 
@@ -102,6 +109,7 @@ impl<'a> SequenceFitter<'a> {
         let run = Run::new(self, around, task, frames, config);
         let mut done = Sequenced { trace: vec![Terms::default(); run.iterations()], ..Sequenced::default() };
         let mut windows = windows(frames.len(), config.window, config.overlap);
+        windows.retain(|window| run.free[window.clone()].contains(&true));
         let mut result = Ok(());
         for round in 0..config.rounds.max(1) {
             result = run.descend(&windows, round, frames, &mut done.trace, ticker, preview);
@@ -136,6 +144,8 @@ pub(super) struct Run<'r> {
     sample: VertexSubset,
     all: VertexSubset,
     paper: Option<PaperScene>,
+    /// Frames that may change.
+    free: Vec<bool>,
 }
 
 impl<'r> Run<'r> {
@@ -158,7 +168,35 @@ impl<'r> Run<'r> {
         let bins = Bins::new(&around.surface, &Aabb::of(around.surface.iter().copied()));
         let sample = VertexSubset::of_shape(&body.model, fitter.probe.subset.ids().to_vec(), betas);
         let input = frames.to_vec();
-        Self { fitter, around, task, config, input, rest, feet, plan, bins, sample, all, paper }
+        let free = vec![true; frames.len()];
+        let mut run =
+            Self { fitter, around, task, config, input, rest, feet, plan, bins, sample, all, paper, free };
+        if run.paper.is_none() {
+            run.free = run.near_faults(&figures);
+        }
+        for (i, free) in run.free.iter_mut().enumerate() {
+            *free &= !task.is_pinned(i, frames.len());
+        }
+        run
+    }
+
+    /// Frames near one with a fault. What came in without, walking over open floor mostly, is better than what a descent
+    /// leaves of it.
+    fn near_faults(&self, figures: &[FrameJoints]) -> Vec<bool> {
+        let depths = self.depths(&self.input);
+        let strays = |i: usize| {
+            (0..2).any(|side| {
+                let place = self.plan.places[i][side];
+                place.is_some_and(|p| p.ankle.distance(foot_of(&figures[i], side).ankle) > STRAYS_M)
+            })
+        };
+        let faulty = |i: usize| depths[i] > TOUCHES_M || self.task.rest(i).is_some() || strays(i);
+        let mut near = vec![false; self.input.len()];
+        for i in (0..near.len()).filter(|i| faulty(*i)) {
+            let last = (i + NEAR_FRAMES).min(near.len() - 1);
+            near[i.saturating_sub(NEAR_FRAMES)..=last].fill(true);
+        }
+        near
     }
 
     fn iterations(&self) -> usize {
@@ -189,16 +227,22 @@ impl<'r> Run<'r> {
         Lock { rest, feet, field: self.around.field, plan, task }.apply(frames)
     }
 
-    /// Frames with a vertex deeper than [`DEEP_M`] in something, by every vertex there is.
+    /// Frames that may change and have a vertex deeper than [`DEEP_M`] in something, by every vertex there is.
     fn deep_frames(&self, frames: &[Frame]) -> Vec<usize> {
+        let depths = self.depths(frames);
+        let pinned = (0..frames.len()).filter(|i| self.task.is_pinned(*i, frames.len()));
+        let deepest = pinned.map(|i| depths[i] + AS_DEEP_M).fold(DEEP_M, f32::max);
+        (0..frames.len()).filter(|i| self.free[*i] && depths[*i] > deepest).collect()
+    }
+
+    /// The deepest vertex of each frame in something solid, metres.
+    fn depths(&self, frames: &[Frame]) -> Vec<f32> {
         let (body, field, betas) = (self.fitter.body, self.around.field, self.task.betas);
         let deepest = |workspace: &mut Workspace, frame: &Frame| {
             body.forward_posed(&frame.params(betas), &frame.pose, &self.all, workspace);
             workspace.vertices().iter().map(|v| -field.sample(*v)).fold(0.0, f32::max)
         };
-        let depths: Vec<f32> = frames.par_iter().map_init(Workspace::default, deepest).collect();
-        let free = |i: &usize| !self.task.is_pinned(*i, frames.len());
-        (0..frames.len()).filter(free).filter(|i| depths[*i] > DEEP_M).collect()
+        frames.par_iter().map_init(Workspace::default, deepest).collect()
     }
 
     /// Optimises `frames` of one window. The first half of what it shares with the window before is held: it was done
@@ -217,8 +261,7 @@ impl<'r> Run<'r> {
         let behind = if round > 0 && range.end < total { half } else { 0 };
         let context = if range.start > 0 { half } else { 0 };
         let inner = range.start + context..range.end - behind;
-        let held: Vec<bool> =
-            range.clone().map(|i| !inner.contains(&i) || self.task.is_pinned(i, total)).collect();
+        let held: Vec<bool> = range.clone().map(|i| !inner.contains(&i) || !self.free[i]).collect();
         let mut first = 0;
         for stage in &self.config.stages {
             let mut window = Window {

@@ -228,6 +228,26 @@ fn a_motion_without_fault_is_left_alone() {
 }
 
 #[test]
+fn far_from_a_fault_a_motion_stays_byte_for_byte() {
+    // Somebody stands for five seconds and leans into the wall in the middle of it.
+    let leans = |i: usize| (-((i as f32 - 75.0) / 8.0).powi(2)).exp();
+    let frames: Vec<Frame> = (0..150)
+        .map(|i| {
+            let at = Vec3::new(0.0, standing_height(), 0.5 + 0.45 * leans(i));
+            let mut frame = Frame { translation: at, ..Frame::default() };
+            arms_down(&mut frame);
+            frame
+        })
+        .collect();
+    let planted = vec![[false; 2]; frames.len()];
+    let (mended, _) = optimise(&field(1.0), &task(&planted, [0, 0]), &frames, &SequenceConfig::default());
+    assert!(mended[..20] == frames[..20] && mended[130..] == frames[130..]);
+    assert!(mended[75] != frames[75]);
+    let deepest = measure(&field(1.0), &mended, &planted).metrics.penetration_max_mm;
+    assert!(deepest < 43.0, "{deepest} mm in the wall");
+}
+
+#[test]
 fn any_number_of_threads_gives_the_same_bytes() {
     let (frames, planted) = gliding_walk(40, 0.8);
     let config = SequenceConfig { window: 30, overlap: 10, ..SequenceConfig::default() };

@@ -58,22 +58,22 @@ pub struct PhysicalRow {
     pub faultless: f32,
     /// Mean contact area in square centimetres.
     pub contact_area_cm2: f32,
-    /// Bodies that were clustered, in camera frames.
+    /// Bodies that were clustered, in camera frames; 0 if they were too few, and nothing in what follows.
     pub diverse_bodies: usize,
     /// Entropy over 20 clusters of the parameters in camera frames, in nats (at most 2.996).
-    pub entropy_camera_nats: f32,
+    pub entropy_camera_nats: Option<f32>,
     /// Mean distance to the cluster's centre, camera frames.
-    pub cluster_size_camera: f32,
+    pub cluster_size_camera: Option<f32>,
     /// Entropy in the world frame, in nats.
-    pub entropy_world_nats: f32,
+    pub entropy_world_nats: Option<f32>,
     /// Mean distance to the cluster's centre, world frame.
-    pub cluster_size_world: f32,
+    pub cluster_size_world: Option<f32>,
 }
 
 impl PhysicalRow {
     /// Of measured bodies, each with whether it is without findings, and their diversity in camera frames and
-    /// in the world frame.
-    pub fn of(measured: &[(BodyMetrics, bool)], camera: Diversity, world: Diversity) -> Self {
+    /// in the world frame, where they are enough for one.
+    pub fn of(measured: &[(BodyMetrics, bool)], camera: Option<Diversity>, world: Option<Diversity>) -> Self {
         let mean = |value: &dyn Fn(&(BodyMetrics, bool)) -> f32| {
             measured.iter().map(value).sum::<f32>() / measured.len().max(1) as f32
         };
@@ -88,11 +88,11 @@ impl PhysicalRow {
             inside: share(&|m| m.0.outside_field == 0),
             faultless: share(&|m| m.1),
             contact_area_cm2: mean(&|m| m.0.contact_area_cm2),
-            diverse_bodies: camera.bodies,
-            entropy_camera_nats: camera.entropy_nats,
-            cluster_size_camera: camera.cluster_size,
-            entropy_world_nats: world.entropy_nats,
-            cluster_size_world: world.cluster_size,
+            diverse_bodies: camera.map_or(0, |d| d.bodies),
+            entropy_camera_nats: camera.map(|d| d.entropy_nats),
+            cluster_size_camera: camera.map(|d| d.cluster_size),
+            entropy_world_nats: world.map(|d| d.entropy_nats),
+            cluster_size_world: world.map(|d| d.cluster_size),
         }
     }
 }
@@ -200,10 +200,10 @@ mod tests {
             outside_field: 3,
             ..BodyMetrics::default()
         };
-        let row = PhysicalRow::of(&[(good, true), (bad, false)], Diversity::default(), Diversity::default());
+        let row = PhysicalRow::of(&[(good, true), (bad, false)], None, None);
         assert_eq!((row.bodies, row.psi_non_collision, row.psi_contact), (2, 0.75, 0.5));
         assert_eq!((row.contact_2cm, row.supported, row.inside, row.faultless), (0.5, 0.5, 0.5, 0.5));
         assert_eq!(row.penetration_max_mm, 40.0);
-        assert_eq!(PhysicalRow::of(&[], Diversity::default(), Diversity::default()).psi_contact, 0.0);
+        assert_eq!(PhysicalRow::of(&[], None, None).psi_contact, 0.0);
     }
 }

@@ -24,7 +24,7 @@ pub struct EvaluationConfig {
     pub samples: usize,
     /// Of these, how many are fitted by each fit.
     pub fitted: usize,
-    /// The agent's views of each room; the samples are shared out among them.
+    /// Views of each room; the samples are shared out among them.
     pub views: usize,
     /// Bodies that are reconstructed for each column of Table 1, at most.
     pub reconstructed: usize,
@@ -46,6 +46,9 @@ pub struct EvaluationRoom {
     pub room: Arc<Room>,
     /// Its geometry.
     pub geometry: RoomGeometry,
+    /// What is seen of it: through PROX-E's virtual cameras in rooms of a corpus (PSI §4.1.1). Empty: an agent's views
+    /// are taken, as in MP3D-R.
+    pub images: Vec<SceneImage>,
 }
 
 /// A body whose reconstruction is measured for Table 1.
@@ -132,8 +135,12 @@ impl Evaluator {
         let number = self.rooms.len() as u64;
         let sensor = Sensor::new(&room.room, &room.geometry);
         let seed = cx.seed.child("room", number);
-        let views = agent_views(&sensor, self.config.views, &AgentConfig::default(), seed);
-        let images = sensor.scene_images(&views, cx.ticker())?;
+        let images = if room.images.is_empty() {
+            let views = agent_views(&sensor, self.config.views, &AgentConfig::default(), seed);
+            sensor.scene_images(&views, cx.ticker())?
+        } else {
+            room.images.clone()
+        };
         let mut cells = Vec::new();
         for (index, method) in self.methods.iter().enumerate() {
             let Ok(placer) = &method.placer else { continue };

@@ -7,7 +7,7 @@ use super::rows::{Evaluation, MethodRow, PhysicalRow, RepresentationRow, Stage};
 /// A column of a table: its heading, its figure, how many digits, and whether a larger figure is better.
 struct Column {
     heading: &'static str,
-    value: fn(&PhysicalRow) -> f32,
+    value: fn(&PhysicalRow) -> Option<f32>,
     digits: usize,
     best: Best,
 }
@@ -19,7 +19,12 @@ enum Best {
     Smallest,
 }
 
-const fn column(heading: &'static str, value: fn(&PhysicalRow) -> f32, digits: usize, best: Best) -> Column {
+const fn column(
+    heading: &'static str,
+    value: fn(&PhysicalRow) -> Option<f32>,
+    digits: usize,
+    best: Best,
+) -> Column {
     Column { heading, value, digits, best }
 }
 
@@ -30,15 +35,15 @@ const TABLE_2: [Column; 4] = [
     column("cluster size, world", |r| r.cluster_size_world, 2, Best::Largest),
 ];
 const TABLE_3: [Column; 2] = [
-    column("non-collision (PSI)", |r| r.psi_non_collision, 3, Best::Largest),
-    column("contact (PSI)", |r| r.psi_contact, 2, Best::Largest),
+    column("non-collision (PSI)", |r| Some(r.psi_non_collision), 3, Best::Largest),
+    column("contact (PSI)", |r| Some(r.psi_contact), 2, Best::Largest),
 ];
 const TABLE_3_STRICT: [Column; 5] = [
-    column("contact within 2 cm", |r| r.contact_2cm, 2, Best::Largest),
-    column("deepest penetration, mm", |r| r.penetration_max_mm, 0, Best::Smallest),
-    column("held", |r| r.supported, 2, Best::Largest),
-    column("inside the room", |r| r.inside, 2, Best::Largest),
-    column("without findings", |r| r.faultless, 2, Best::Largest),
+    column("contact within 2 cm", |r| Some(r.contact_2cm), 2, Best::Largest),
+    column("deepest penetration, mm", |r| Some(r.penetration_max_mm), 0, Best::Smallest),
+    column("held", |r| Some(r.supported), 2, Best::Largest),
+    column("inside the room", |r| Some(r.inside), 2, Best::Largest),
+    column("without findings", |r| Some(r.faultless), 2, Best::Largest),
 ];
 
 impl Evaluation {
@@ -101,7 +106,7 @@ impl Evaluation {
                 let figures: Vec<Option<&PhysicalRow>> =
                     sets.iter().map(|s| self.of_set(method, s, stage)).collect();
                 let cell = |c: &Column, i: usize| {
-                    let value = (c.value)(figures[i]?);
+                    let value = (c.value)(figures[i]?)?;
                     let number = format!("{value:.*}", c.digits);
                     Some(if self.is_best(c, sets[i], value) { format!("**{number}**") } else { number })
                 };
@@ -119,7 +124,8 @@ impl Evaluation {
     /// Whether no method at any stage has a better figure on this set, to the digits that are printed.
     fn is_best(&self, column: &Column, set: &str, value: f32) -> bool {
         let of_set = self.rows.iter().filter(|r| r.set == set && r.room.is_none());
-        let others = of_set.filter_map(|r| r.figures.as_ref()).filter(|f| f.bodies > 0).map(column.value);
+        let others =
+            of_set.filter_map(|r| r.figures.as_ref()).filter(|f| f.bodies > 0).filter_map(column.value);
         let scale = 10f32.powi(column.digits as i32);
         let rounded = |v: f32| (v * scale).round();
         others.into_iter().all(|other| match column.best {
@@ -136,7 +142,7 @@ impl Evaluation {
             let (Some(room), Some(f)) = (&row.room, &row.figures) else { continue };
             let _ = writeln!(
                 text,
-                "| {room} | {}{} | {} | {:.3} | {:.2} | {:.2} | {:.0} | {:.2} | {:.2} | {:.2} |",
+                "| {room} | {}{} | {} | {:.3} | {:.2} | {:.2} | {:.0} | {:.2} | {:.2} | {} |",
                 row.method,
                 row.stage.suffix(),
                 f.bodies,
@@ -146,7 +152,7 @@ impl Evaluation {
                 f.penetration_max_mm,
                 f.supported,
                 f.faultless,
-                f.entropy_world_nats
+                f.entropy_world_nats.map_or("-".to_owned(), |nats| format!("{nats:.2}"))
             );
         }
         text
@@ -191,6 +197,7 @@ fn csv_line(row: &MethodRow) -> String {
         || "0".to_owned() + &",".repeat(13),
         |f| {
             let PhysicalRow { bodies, diverse_bodies, .. } = f;
+            let number = |value: Option<f32>| value.map_or(String::new(), |v| v.to_string());
             format!(
                 "{bodies},{},{},{},{},{},{},{},{},{diverse_bodies},{},{},{},{}",
                 f.psi_non_collision,
@@ -201,10 +208,10 @@ fn csv_line(row: &MethodRow) -> String {
                 f.inside,
                 f.faultless,
                 f.contact_area_cm2,
-                f.entropy_camera_nats,
-                f.cluster_size_camera,
-                f.entropy_world_nats,
-                f.cluster_size_world
+                number(f.entropy_camera_nats),
+                number(f.cluster_size_camera),
+                number(f.entropy_world_nats),
+                number(f.cluster_size_world)
             )
         },
     );

@@ -81,6 +81,26 @@ impl From<LossPreset> for LossWeights {
     }
 }
 
+/// Weights of L_HS on bodies of drawn codes.
+///
+/// The paper's L_HS sees reconstructions, whose codes know where the body is; what is sampled later comes from codes that
+/// know nothing, and nothing in eq. 1 says that these bodies must stand on a floor. Ours says it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DrawnWeights {
+    /// Eq. 7.
+    pub contact: f32,
+    /// Eq. 6.
+    pub collision: f32,
+    /// c of eq. 7's robust distance, metres: small, so that what is near a surface touches it and the rest stays.
+    pub robust_c_m: f32,
+}
+
+impl Default for DrawnWeights {
+    fn default() -> Self {
+        Self { contact: 1.0, collision: 1.0, robust_c_m: 0.1 }
+    }
+}
+
 /// A whole training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PsiTraining {
@@ -100,6 +120,9 @@ pub struct PsiTraining {
     pub weights: LossWeights,
     /// Whether L_HS (eq. 6, 7) joins in late.
     pub scene_loss: bool,
+    /// With it, as late: L_HS on bodies of codes drawn from N(0, I), as many as are reconstructed.
+    #[serde(default)]
+    pub drawn: Option<DrawnWeights>,
     /// Share of the epochs after which the KL weight is full and L_HS begins (PSI §3.4: 75 %).
     pub late: f32,
     /// Half of the pictures are mirrored, with their bodies.
@@ -123,6 +146,7 @@ impl PsiTraining {
             schedule: RateSchedule::Constant,
             weights: LossPreset::Paper.into(),
             scene_loss: false,
+            drawn: None,
             late: 0.75,
             mirror: true,
             turn_deg: [20.0, 10.0],
@@ -164,7 +188,8 @@ impl PsiTraining {
     /// counted until then may differ. The scene loss counts from [`PsiTraining::late_epoch`] on only, so S1 and
     /// S1 + L_HS share their first three quarters.
     pub fn continues(&self, other: &Self, epoch: usize) -> bool {
-        let same_until_late = Self { scene_loss: other.scene_loss, ..self.clone() } == *other;
+        let same_until_late =
+            Self { scene_loss: other.scene_loss, drawn: other.drawn, ..self.clone() } == *other;
         self == other || (same_until_late && epoch <= self.late_epoch())
     }
 }

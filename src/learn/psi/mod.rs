@@ -16,7 +16,7 @@ mod tests;
 mod train;
 
 pub use checkpoint::{TrainError, TrainingState};
-pub use config::{Annealing, LossPreset, LossWeights, PsiTraining, RateSchedule};
+pub use config::{Annealing, DrawnWeights, LossPreset, LossWeights, PsiTraining, RateSchedule};
 pub use data::{Augment, Item, PsiBody, PsiData};
 pub use history::{History, HistoryRow};
 pub use scene_loss::{SceneLoss, SceneLossValue};

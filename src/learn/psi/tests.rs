@@ -1,5 +1,6 @@
 use glam::{Affine3A, Mat3, Vec3};
 use rand::RngExt as _;
+use rand_distr::{Distribution as _, StandardNormal};
 
 use super::adversary::Projector;
 use super::data::{Augment, Picture};
@@ -11,7 +12,7 @@ use crate::body::{Body, FamilyHints, Workspace, sample_pose};
 use crate::generate::sensor::{Intrinsics, SIDE, Valid, View};
 use crate::job::{JobCtx, Seed, Stop};
 use crate::learn::corpus::{CorpusView, ViewKind};
-use crate::nn::psi::{BODY, PsiConfig, PsiMethod, SceneInput};
+use crate::nn::psi::{BODY, PsiConfig, PsiMethod, PsiSampler, SceneInput};
 use crate::nn::{cpu_device, numbers, tensor};
 use crate::scene::{BodyParams, PARAMS, PoseFamily, SignedDistanceField};
 
@@ -118,6 +119,7 @@ fn the_number_of_threads_changes_nothing() {
     let data = corpus(6);
     let training = PsiTraining {
         scene_loss: true,
+        drawn: Some(DrawnWeights::default()),
         mirror: true,
         turn_deg: [15.0, 8.0],
         depth_noise: 0.01,
@@ -148,6 +150,37 @@ fn the_scene_loss_branches_off_late_and_a_foreign_checkpoint_is_refused() {
     };
     assert!(refused(&with, &data.id, 3) && refused(&plain, "another", 1));
     assert!(refused(&PsiTraining { seed: 9, ..plain }, &data.id, 1));
+}
+
+/// How deep bodies of drawn codes are in the room on average, weighted.
+fn drawn_collision(state: &TrainingState, data: &PsiData) -> f32 {
+    let body = Body::bundled();
+    let sampler = PsiSampler::new(state.network.clone(), &state.main.params);
+    let loss = SceneLoss::new(body, 0.0, 1.0, 1.0);
+    let mut rng = Seed::root(11).rng();
+    let mut total = 0.0;
+    for one in &data.train {
+        let item = data.draw(one, Augment::NONE, Seed::root(1));
+        let codes: Vec<f32> =
+            (0..8 * sampler.config().noise()).map(|_| StandardNormal.sample(&mut rng)).collect();
+        for made in sampler.decode(&item.scene, &codes) {
+            let mut workspace = Workspace::default();
+            total += loss.evaluate(body, &floor(), &item.world_from_camera, &made, &mut workspace).collision;
+        }
+    }
+    total
+}
+
+#[test]
+fn bodies_of_drawn_codes_are_kept_out_of_the_floor_when_that_is_asked_for() {
+    let data = corpus(4);
+    let with = PsiTraining { scene_loss: true, late: 0.25, ..settings(PsiMethod::S1, 60) };
+    let drawn = PsiTraining {
+        drawn: Some(DrawnWeights { contact: 0.0, collision: 3.0, ..DrawnWeights::default() }),
+        ..with.clone()
+    };
+    let [without, kept] = [with, drawn].map(|t| drawn_collision(&run(&t, &data, usize::MAX).0, &data));
+    assert!(kept < 0.5 * without, "{kept} against {without}");
 }
 
 /// A body in its picture, and a vector near it.

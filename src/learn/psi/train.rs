@@ -38,6 +38,7 @@ struct Tools<'a> {
     input: &'a TrainingInput<'a>,
     body: &'static Body,
     scene_loss: SceneLoss,
+    drawn_loss: Option<SceneLoss>,
     projector: Projector,
 }
 
@@ -58,6 +59,10 @@ pub fn train(
         input,
         body,
         scene_loss: SceneLoss::new(body, weights.contact, weights.collision, weights.robust_c_m),
+        drawn_loss: state
+            .training
+            .drawn
+            .map(|drawn| SceneLoss::new(body, drawn.contact, drawn.collision, drawn.robust_c_m)),
         projector: Projector::new(body),
     };
     if state.epoch == 0 {
@@ -154,7 +159,8 @@ fn one_step(
     let target = Target::new(&scenes, &bodies, g.device());
     let noise = standard_normal(items.len(), training.network.noise(), seed, &g);
     let pictures = SceneTensors::new(&training.network, &scenes, g.device());
-    let made = state.network.reconstruct(&g, &pictures, target.normalized.clone(), noise);
+    let features = state.network.encode_scene(&g, &pictures);
+    let made = state.network.reconstruct(&g, &features, target.normalized.clone(), noise);
     let in_metres = target.in_metres(&made.body);
     let reconstruction = target.reconstruction(&made.body, &in_metres);
     let divergence = loss::divergence(&made, g.device());
@@ -172,17 +178,24 @@ fn one_step(
         + divergence * training.kl_weight(progress)
         + pose_prior * weights.pose_prior
         + class * weights.class;
-    let late = state.epoch >= training.late_epoch();
-    if (training.scene_loss && late) || state.discriminator.is_some() {
+    let with_scene = training.scene_loss && state.epoch >= training.late_epoch();
+    if with_scene || state.discriminator.is_some() {
         let given = rows_of(&numbers(&in_metres));
         let mut gradient = vec![0.0; items.len() * BODY];
-        if training.scene_loss && late {
-            add_scene_loss(tools, items, &given, &mut gradient, &mut row);
+        if with_scene {
+            add_scene_loss(tools, &tools.scene_loss, items, &given, &mut gradient, &mut row);
         }
         if state.discriminator.is_some() {
             add_adversary(state, tools, items, &given, &mut gradient, &mut row, progress);
         }
         total = total + loss::with_gradient(&in_metres, gradient);
+    }
+    if let (true, Some(drawn_loss)) = (with_scene, &tools.drawn_loss) {
+        let codes = standard_normal(items.len(), training.network.noise(), seed.child("drawn", 0), &g);
+        let drawn = target.in_metres(&state.network.decode(&g, &features, codes));
+        let mut gradient = vec![0.0; items.len() * BODY];
+        add_scene_loss(tools, drawn_loss, items, &rows_of(&numbers(&drawn)), &mut gradient, &mut row);
+        total = total + loss::with_gradient(&drawn, gradient);
     }
     let gradients = g.gradients(&mut total.backward());
     let statistics = g.statistics();
@@ -204,6 +217,7 @@ fn standard_normal(rows: usize, columns: usize, seed: Seed, g: &Graph) -> burn::
 /// Eq. 6 and 7 of every body, means over the batch.
 fn add_scene_loss(
     tools: &Tools<'_>,
+    scene_loss: &SceneLoss,
     items: &[Item],
     given: &[[f32; BODY]],
     gradient: &mut [f32],
@@ -212,7 +226,7 @@ fn add_scene_loss(
     let share = 1.0 / items.len() as f32;
     let evaluate = |workspace: &mut Workspace, (item, body): (&Item, &[f32; BODY])| {
         let field = &tools.input.fields[item.room];
-        tools.scene_loss.evaluate(tools.body, field, &item.world_from_camera, body, workspace)
+        scene_loss.evaluate(tools.body, field, &item.world_from_camera, body, workspace)
     };
     let pairs = items.par_iter().zip(given);
     let found: Vec<_> = pairs.map_init(Workspace::default, evaluate).collect();

@@ -169,18 +169,16 @@ impl FootTrack {
             rotation,
             toes: toes(a, b, model, x),
         };
-        let floor_y = self.shape.heel.y + a.place.ankle.y + (b.place.ankle.y - a.place.ankle.y) * way;
-        pose.ankle.y += self.missing_clearance(&pose, floor_y, x);
+        // What a foot stands on is under its lowest point, not under its heel: feet that hang from a high seat are tilted.
+        let [from_y, to_y] = [&a.place, &b.place].map(|place| self.shape.lowest_y(place));
+        pose.ankle.y += self.missing_clearance(&pose, from_y + (to_y - from_y) * way, x);
         pose
     }
 
     /// How much a swinging foot has to be raised for its sole to clear the floor.
     fn missing_clearance(&self, pose: &FootPose, floor_y: f32, x: f32) -> f32 {
         let wanted = CLEARANCE_M * bump(x, [0.0, 0.4, 0.6, 1.0]);
-        let toe = self.shape.ball + pose.toes * (self.shape.toe - self.shape.ball);
-        let under_ball = self.shape.ball.with_y(self.shape.heel.y);
-        let points = [self.shape.heel, under_ball, toe];
-        let lowest = points.map(|p| pose.point(p).y - floor_y).into_iter().fold(f32::MAX, f32::min);
+        let lowest = self.shape.lowest_y(pose) - floor_y;
         // A smooth maximum: no kink where the clearance begins to rule.
         let short = wanted - lowest;
         0.5 * (short + (short * short + 1e-4 * bump(x, [0.0, 0.2, 0.8, 1.0])).sqrt())

@@ -35,6 +35,13 @@ impl FootShape {
         -self.heel.y
     }
 
+    /// Height of the lowest point of the sole, metres.
+    pub(super) fn lowest_y(&self, pose: &FootPose) -> f32 {
+        let toe = self.ball + pose.toes * (self.toe - self.ball);
+        let under_ball = self.ball.with_y(self.heel.y);
+        [self.heel, under_ball, toe].map(|p| pose.point(p).y).into_iter().fold(f32::MAX, f32::min)
+    }
+
     fn of(body: &Body, betas: &[f32; BETAS], rest: &[Vec3; JOINTS], ankle: usize) -> Self {
         let model = &body.model;
         let is_foot =
@@ -354,7 +361,7 @@ impl Stick {
 }
 
 /// A swinging leg over its full length: freely stretched up to the first share, never beyond the second.
-const SWING_SHARE: [f32; 2] = [0.95, 0.99];
+const SWING_SHARE: [f32; 2] = [0.97, 0.996];
 
 /// A unit vector on the way from one to another.
 pub(super) fn direction_between(a: Vec3, b: Vec3, share: f32) -> Vec3 {

@@ -47,8 +47,8 @@ struct Glance {
     pitch: f32,
 }
 
-/// Stays in a known body for about `seconds`.
-pub(super) fn stay(person: &Person, still: &Still, seconds: f32, seed: Seed) -> LegMotion {
+/// Stays in a known body above a floor of this height for about `seconds`.
+pub(super) fn stay(person: &Person, still: &Still, floor_y: f32, seconds: f32, seed: Seed) -> LegMotion {
     let count = (seconds * CLIP_FPS).round().max(1.0) as usize;
     let seconds = count as f32 / CLIP_FPS;
     let stick = Stick::of(person, &still.frame);
@@ -63,7 +63,6 @@ pub(super) fn stay(person: &Person, still: &Still, seconds: f32, seed: Seed) -> 
     for (stick, by) in sticks.iter_mut().zip(smooth_cover(&needed, 4)) {
         stick.pelvis.y -= by;
     }
-    let floor_y = stick.feet[0].ankle.y.min(stick.feet[1].ankle.y) - person.ankle_m();
     let stands = still.pose != GoalPose::Lie;
     let planted = std::array::from_fn(|i| stands && on_floor(person, &stick.feet[i], floor_y));
     let mut frames: Vec<_> = sticks.iter().map(|s| s.frame(person)).collect();

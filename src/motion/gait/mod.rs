@@ -36,9 +36,15 @@ use way::Way;
 const SHIFT_M: f32 = 0.3;
 /// Sitting and lying this near, metres: one lies down from where one sits.
 const LIE_FROM_SEAT_M: f32 = 0.95;
-/// Standing feet this near to the seat's, metres and radians, need no steps before sitting down.
+/// Standing feet this near to the seat's, metres and radians, need no steps before sitting down; so much farther ahead
+/// of it the pelvis still finds the seat.
 const FEET_READY_M: f32 = 0.05;
 const FEET_READY_RADIANS: f32 = 0.35;
+const FEET_AHEAD_M: f32 = 0.14;
+/// Pelvis of somebody who stands beside a seat to come in from the side, metres from the seated one's, and what is left
+/// of the forward lean.
+const BESIDE_M: [f32; 2] = [0.3, 0.75];
+const LEAN_FROM_ASIDE: f32 = 0.35;
 
 /// Makes the frames of one leg: walks along the way where there is one, turns, sits down, lies down and gets up. The
 /// first and the last frame are exactly the end states' ([`walking_frame`] for a walk that goes on).
@@ -87,6 +93,14 @@ pub fn natural_feet(body: &Body, betas: &[f32; BETAS], at: Vec3, facing: f32) ->
     stance::places(&Person::new(body, betas), at, facing)
 }
 
+/// Where the feet of somebody stand, left then right, who is about to sit down into a body or just got up from it: from
+/// there no foot has to be moved.
+pub fn feet_before(body: &Body, betas: &[f32; BETAS], sits: &Frame, floor_y: f32) -> [FootPlace; 2] {
+    let person = Person::new(body, betas);
+    let feet = posture::feet_before(&person, &Stick::of(&person, sits), floor_y);
+    feet.map(|foot| FootPlace { at: foot.ankle.with_y(floor_y), heading: foot.heading() })
+}
+
 /// Length of a natural stride (two steps) of a body at a speed in metres per second: a walk between two canonical
 /// moments takes a whole number of them.
 pub fn stride_m(body: &Body, betas: &[f32; BETAS], speed_m_per_s: f32) -> f32 {
@@ -95,10 +109,17 @@ pub fn stride_m(body: &Body, betas: &[f32; BETAS], speed_m_per_s: f32) -> f32 {
     2.0 * person.model.step_length_share(pace) * person.leg_m
 }
 
-/// Stays in a known body for about `seconds`: breathes, shifts its weight, looks about. First and last frame are
+/// Stays in a known body above a floor of this height for about `seconds`: breathes, shifts its weight, looks about. First and last frame are
 /// exactly the body's; planted feet do not move.
-pub fn idle(body: &Body, betas: &[f32; BETAS], still: &Still, seconds: f32, seed: Seed) -> LegMotion {
-    idle::stay(&Person::new(body, betas), still, seconds, seed)
+pub fn idle(
+    body: &Body,
+    betas: &[f32; BETAS],
+    still: &Still,
+    floor_y: f32,
+    seconds: f32,
+    seed: Seed,
+) -> LegMotion {
+    idle::stay(&Person::new(body, betas), still, floor_y, seconds, seed)
 }
 
 /// A pose that somebody rests in.
@@ -171,23 +192,33 @@ impl Maker<'_> {
         }
     }
 
-    /// Sitting down from, or getting up into, a stance whose feet are the seat's.
+    /// Sitting down from, or getting up into, a stance whose feet are the seat's, or beside a seat that has no room in
+    /// front: at a table one comes in from the side, upright.
     fn on_ready_feet(&self, a: &Rest, b: &Rest) -> Option<LegMotion> {
         let (stands, sits, down) = match (a.pose, b.pose) {
             (GoalPose::Stand, GoalPose::Sit) => (a, b, true),
             (GoalPose::Sit, GoalPose::Stand) => (b, a, false),
             _ => return None,
         };
-        let before = posture::stand_before(&self.person, &sits.stick, sits.floor_y, self.input.seed);
-        let ready = (0..2).all(|i| {
-            let (have, need) = (&stands.stick.feet[i], &before.feet[i]);
-            have.ankle.distance(need.ankle) < FEET_READY_M
-                && figure::wrap(have.heading() - need.heading()).abs() < FEET_READY_RADIANS
+        let before = posture::feet_before(&self.person, &sits.stick, sits.floor_y);
+        let ahead = figure::ahead(figure::facing(sits.stick.rotation));
+        let feet = || (0..2).map(|i| (&stands.stick.feet[i], &before[i]));
+        let turned = feet()
+            .any(|(have, need)| figure::wrap(have.heading() - need.heading()).abs() > FEET_READY_RADIANS);
+        let ready = feet().all(|(have, need)| {
+            let off = have.ankle - need.ankle;
+            let farther_m = off.dot(ahead).clamp(0.0, FEET_AHEAD_M);
+            (off - ahead * farther_m).length() < FEET_READY_M
         });
-        if !ready {
+        let off = (stands.stick.pelvis - sits.stick.pelvis).with_y(0.0);
+        let (forward_m, aside_m) = (off.dot(ahead), off.reject_from(ahead).length());
+        let beside = (BESIDE_M[0]..BESIDE_M[1]).contains(&aside_m) && forward_m.abs() < aside_m;
+        if turned || !(ready || beside) {
             return None;
         }
-        let motion = posture::sit_down(&self.person, &stands.stick, &sits.stick, sits.floor_y, &self.style);
+        let lean = self.style.lean * if ready { 1.0 } else { LEAN_FROM_ASIDE };
+        let style = Style { lean, ..self.style };
+        let motion = posture::sit_down(&self.person, &stands.stick, &sits.stick, sits.floor_y, &style);
         Some(if down { motion } else { backwards(motion) })
     }
 

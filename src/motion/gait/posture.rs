@@ -26,11 +26,11 @@ const LEAN: f32 = 0.66;
 /// Shares of the lean in the pelvis and each of the spine's joints.
 const PELVIS_LEAN: f32 = 0.58;
 const SPINE_LEAN: f32 = 0.14;
-/// A foot this near to its place needs no step, metres and radians.
-const STAYS_M: f32 = 0.012;
+/// A foot this near to its place needs no step, metres and radians: it shifts by that without anybody seeing it.
+const STAYS_M: f32 = 0.008;
 const STAYS_RADIANS: f32 = 0.1;
-/// A foot is on the floor when its ankle is at most this much above a flat foot's and its sole at most this much tilted.
-const ON_FLOOR_M: f32 = 0.03;
+/// A foot is on the floor when the lowest point of its sole is at most this far off and it is at most this much tilted.
+const ON_FLOOR_M: f32 = 0.015;
 const ON_FLOOR_RADIANS: f32 = 0.3;
 /// Legs straighten to this share while the body goes up and down.
 const STRAIGHT_SHARE: f32 = 0.995;
@@ -41,11 +41,11 @@ const SEAT_DEPTH_M: f32 = 0.42;
 
 /// Whether a foot stands on the floor at a height.
 pub(super) fn on_floor(person: &Person, foot: &FootPose, floor_y: f32) -> bool {
-    (foot.ankle.y - floor_y - person.ankle_m()).abs() < ON_FLOOR_M && foot.tilt() < ON_FLOOR_RADIANS
+    (person.feet[0].lowest_y(foot) - floor_y).abs() < ON_FLOOR_M && foot.tilt() < ON_FLOOR_RADIANS
 }
 
-/// Somebody standing before where they sit, on the feet they sit with where those stand on the floor.
-pub(super) fn stand_before(person: &Person, sits: &Stick, floor_y: f32, seed: Seed) -> Stick {
+/// The feet of somebody who stands before where they sit: those they sit with where these stand on the floor.
+pub(super) fn feet_before(person: &Person, sits: &Stick, floor_y: f32) -> [FootPose; 2] {
     let facing = facing(sits.rotation);
     let below = sits.pelvis.with_y(floor_y);
     let usable = |foot: &FootPose| {
@@ -53,11 +53,18 @@ pub(super) fn stand_before(person: &Person, sits: &Stick, floor_y: f32, seed: Se
         on_floor(person, foot, floor_y) && (0.2..0.7).contains(&ahead_m)
     };
     let natural = stance::places(person, below + ahead(facing) * SEAT_DEPTH_M, facing);
-    let natural = stance::feet_at(person, &natural);
-    let feet = if sits.feet.iter().all(usable) { sits.feet } else { natural };
-    let mut stands = stance::stand(person, feet, seed);
+    let flat = |i: usize| {
+        let foot = &sits.feet[i];
+        FootPose::flat(&person.feet[i], foot.ankle.with_y(floor_y), foot.heading())
+    };
+    if sits.feet.iter().all(usable) { [flat(0), flat(1)] } else { stance::feet_at(person, &natural) }
+}
+
+/// Somebody standing before where they sit.
+pub(super) fn stand_before(person: &Person, sits: &Stick, floor_y: f32, seed: Seed) -> Stick {
+    let mut stands = stance::stand(person, feet_before(person, sits, floor_y), seed);
     // Somebody who sits down faces as they will sit, however the toes point.
-    stands.rotation = yaw(facing);
+    stands.rotation = yaw(facing(sits.rotation));
     stands
 }
 
@@ -88,11 +95,14 @@ pub(super) fn sit_down(person: &Person, from: &Stick, to: &Stick, floor_y: f32, 
     let stays = [0, 1].map(|i| stays(&from.feet[i], &to.feet[i]));
     let down_s = SIT_S / style.tempo;
     let seconds = down_s + if stays == [true; 2] { 0.0 } else { SETTLE_S };
-    let feet = settling_feet(person, from, to, stays, [down_s * 0.8, seconds]);
+    // Whose feet do not stay where they stood sits down near the edge first and moves back while the feet come after.
+    let (feet_from, across_to) =
+        if stays == [true; 2] { (0.8, 0.76) } else { (0.7, 0.95 * seconds / down_s) };
+    let feet = settling_feet(person, from, to, stays, [down_s * feet_from, seconds]);
     let stick = |t: f32| {
         let x = t / down_s;
         let mut stick = from.lerp(to, ease(x, 0.1, seconds / down_s));
-        let across = ease(x, 0.04, 0.76);
+        let across = ease(x, 0.04, across_to);
         let down = ease(x, 0.12, 0.84);
         let level = from.pelvis.lerp(to.pelvis, across);
         stick.pelvis = level.with_y(from.pelvis.y + (to.pelvis.y - from.pelvis.y) * down);
@@ -106,8 +116,12 @@ pub(super) fn sit_down(person: &Person, from: &Stick, to: &Stick, floor_y: f32, 
     let on_knees = |t: f32| hands * bump(t / down_s, [0.2, 0.55, 0.65, 1.0]);
     frames(person, seconds, floor_y, &|t| {
         let mut stick = stick(t);
-        stick.feet = feet.each_ref().map(|foot| foot.at(person.model, t).pose);
-        (stick, on_knees(t), feet.each_ref().map(|foot| foot.at(person.model, t).planted))
+        let moments = feet.each_ref().map(|foot| foot.at(person.model, t));
+        let shifted = ease(t, 0.0, seconds);
+        stick.feet = std::array::from_fn(|i| {
+            if stays[i] { from.feet[i].lerp(&to.feet[i], shifted) } else { moments[i].pose }
+        });
+        (stick, on_knees(t), moments.map(|moment| moment.planted))
     })
 }
 
@@ -129,10 +143,7 @@ pub(super) fn lie_down(person: &Person, from: &Stick, to: &Stick, floor_y: f32, 
         }
         let across = from.pelvis.lerp(to.pelvis, ease(x, 0.12, 0.9));
         stick.pelvis = across + Vec3::Y * (0.03 * bump(x, [0.1, 0.4, 0.5, 0.85]));
-        for foot in 0..2 {
-            stick.feet[foot] =
-                swung_up(&from.feet[foot], &to.feet[foot], to.pelvis.y, x - 0.04 * foot as f32);
-        }
+        stick.feet = swung_up(&from.feet, &to.feet, to.pelvis.y, x);
         let weight = bump(x, [0.08, 0.3, 0.42, 0.75]);
         let out = from.rotation * Vec3::NEG_Z + head * 0.3;
         stick.reach_with_arm(person, side, elbow, out, weight);
@@ -143,18 +154,20 @@ pub(super) fn lie_down(person: &Person, from: &Stick, to: &Stick, floor_y: f32, 
 /// Shares of the time of lying down between which the legs come up.
 const LEGS_UP: [f32; 2] = [0.24, 0.9];
 
-/// A foot on its way from the floor up over the edge to where it lies.
-fn swung_up(from: &FootPose, to: &FootPose, bed_y: f32, x: f32) -> FootPose {
+/// Both feet on their way from the floor up over the edge to where they lie: together, or the legs would spread.
+fn swung_up(from: &[FootPose; 2], to: &[FootPose; 2], bed_y: f32, x: f32) -> [FootPose; 2] {
     let share = ease(x, LEGS_UP[0], LEGS_UP[1]);
-    let mut foot = from.lerp(to, share);
-    let over_y = (bed_y + 0.12).max(to.ankle.y + 0.08) - from.ankle.y;
+    let [begin, end] = [from, to].map(|feet| feet[0].ankle.midpoint(feet[1].ankle));
+    let over_y = (bed_y + 0.12).max(end.y + 0.08) - begin.y;
     // Up first, then across: a cubic whose ends leave and arrive straight up and down.
-    let up = from.ankle + Vec3::Y * over_y;
-    let down = to.ankle + Vec3::Y * 0.12;
+    let (up, down) = (begin + Vec3::Y * over_y, end + Vec3::Y * 0.12);
     let (s, r) = (share, 1.0 - share);
-    foot.ankle =
-        from.ankle * (r * r * r) + up * (3.0 * r * r * s) + down * (3.0 * r * s * s) + to.ankle * (s * s * s);
-    foot
+    let middle = begin * (r * r * r) + up * (3.0 * r * r * s) + down * (3.0 * r * s * s) + end * (s * s * s);
+    std::array::from_fn(|i| {
+        let mut foot = from[i].lerp(&to[i], share);
+        foot.ankle = middle + (from[i].ankle - begin).lerp(to[i].ankle - end, share);
+        foot
+    })
 }
 
 /// From one pose on a seat or bed to another near it.

@@ -50,12 +50,12 @@ impl End {
 /// A pose taken up or left behind takes this long to go over into walking, seconds.
 const BLEND_S: f32 = 1.1;
 /// Legs are straight to this share at most in the middle of a walk: knees stay soft.
-const SOFT_SHARE: f32 = 0.98;
+const SOFT_SHARE: f32 = 0.99;
 /// Legs at rest may be straighter.
 const REST_SHARE: f32 = 0.9995;
 /// Hip above ankle over the leg's length, the mean of a walk: knees of 10 to 15 degrees in the middle of the stance
 /// (Winter 1990); captured skeletons disagree by centimetres, so only the rise and fall is taken from them.
-const WALKING_SHARE: f32 = 0.962;
+const WALKING_SHARE: f32 = 0.98;
 /// Frames over which the pelvis comes down for a leg that would be too short, and a heel comes up.
 const LOWER_FRAMES: usize = 3;
 const RISE_FRAMES: usize = 2;

@@ -67,12 +67,51 @@ pub(super) fn between(way: &Way, still: [bool; 2], config: &PlanConfig) -> Vec<O
         };
         // A degree of bend weighs as much as a hundredth of a second.
         let cost = |i: usize| bend(i).to_degrees() * 0.01 + (time[i] - middle).abs();
-        let index = (at(low)..=at(high)).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(at(middle));
+        (at(low)..=at(high)).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(at(middle))
+    };
+    let mut places: Vec<usize> = (1..legs).map(place).collect();
+    if still == [true, true] {
+        places = whole_strides(points, &time, &places, config).unwrap_or(places);
+    }
+    let on_way = |index: usize| {
         let point = &points[index];
         let walking = Walking { at: point.at, heading: point.heading, speed_m_per_s: point.speed_m_per_s };
         OnWay { index, walking }
     };
-    (1..legs).map(place).collect()
+    places.into_iter().map(on_way).collect()
+}
+
+/// The same sub-goals moved so that whole strides of natural length lie between any two: only the first and the last
+/// leg, which set off and arrive, can take any number of steps. `None` where that would be a leg of too long a time.
+fn whole_strides(
+    points: &[PathPoint],
+    time: &[f32],
+    places: &[usize],
+    config: &PlanConfig,
+) -> Option<Vec<usize>> {
+    let (first, last) = (*places.first()?, *places.last()?);
+    let mut along = vec![0.0; points.len()];
+    for i in 1..points.len() {
+        along[i] = along[i - 1] + points[i].at.distance(points[i - 1].at);
+    }
+    let inner = places.len().checked_sub(1).filter(|inner| *inner > 0)? as f32;
+    let length_m = (along[last] - along[first]) / inner;
+    // Steps grow about as the root of the speed (Grieve 1968).
+    let speed = (along[last] - along[first]) / (time[last] - time[first]).max(1e-3);
+    let stride_m = config.stride_m * (speed / config.speed_m_per_s).sqrt();
+    let wanted_m = stride_m * (length_m / stride_m).round().max(1.0);
+    let middle_m = 0.5 * (along[first] + along[last]);
+    let moved = places.iter().enumerate().map(|(k, _)| {
+        let at_m = middle_m + (k as f32 - 0.5 * inner) * wanted_m;
+        along.partition_point(|a| *a < at_m)
+    });
+    let moved: Vec<usize> = moved.collect();
+    let ends = std::iter::once(0).chain(moved.iter().copied()).chain([points.len() - 1]);
+    let ends: Vec<usize> = ends.collect();
+    let fits = |leg: &[usize]| {
+        leg[1] > leg[0] + 4 && leg[1] < points.len() && time[leg[1]] - time[leg[0]] <= config.apart_s
+    };
+    ends.windows(2).all(fits).then_some(moved)
 }
 
 /// Into how many legs a way is cut: few, and so long that strides need little stretching.
@@ -116,6 +155,19 @@ mod tests {
             let longest = marks.windows(2).map(|m| m[1] - m[0]).fold(0.0, f32::max);
             assert!(longest <= config.apart_s + 1e-3, "{length_m} m: {longest} s between sub-goals");
             assert!(marks.windows(2).all(|m| m[1] > m[0]));
+        }
+    }
+
+    #[test]
+    fn between_two_moments_of_a_walk_lie_whole_strides() {
+        let config = PlanConfig::default();
+        for length_m in [3.7, 4.4, 5.1, 6.0] {
+            let goals = between(&straight(length_m), [true, true], &config);
+            for pair in goals.windows(2) {
+                let strides = pair[0].walking.at.distance(pair[1].walking.at) / config.stride_m;
+                let off = strides / strides.round().max(1.0);
+                assert!((0.9..1.1).contains(&off), "{strides} strides on a way of {length_m} m");
+            }
         }
     }
 

@@ -15,6 +15,9 @@ pub const IMAGE: usize = 128;
 /// Classes that a label can have: 0 nothing, 1 to 40 of Matterport3D, four kinds of table and counter, unlabelled.
 pub const CLASSES: usize = 46;
 
+/// Numbers of a floor's plane: unit normal 3, the camera's height in metres, 1 if there is one.
+pub const FLOOR_PLANE: usize = 5;
+
 /// Which network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum PsiMethod {
@@ -83,6 +86,10 @@ pub struct PsiConfig {
     /// Whether the camera's two numbers of π (largest depth, focal length) are given beside the picture, so
     /// that metres can be told from shares of the largest depth.
     pub camera_scale: bool,
+    /// Whether the plane of the floor, found in the picture's own floor pixels, is given beside it: how the camera is
+    /// tilted and how high it stands, which a trunk that never saw ImageNet learns only from far more rooms.
+    #[serde(default)]
+    pub floor_plane: bool,
     /// The scene encoder.
     pub trunk: TrunkConfig,
     /// Channels of the convolution after the trunk.
@@ -109,6 +116,7 @@ impl PsiConfig {
             semantics: Semantics::Scalar,
             valid_mask: false,
             camera_scale: false,
+            floor_plane: false,
             trunk: TrunkConfig { stem: Stem::Conv7, pool: true, channels: [64, 128], blocks: 2 },
             head_channels: 32,
             local_head_channels: 128,
@@ -120,12 +128,13 @@ impl PsiConfig {
         }
     }
 
-    /// The published sizes with classes embedded and padding marked.
+    /// The published sizes with classes embedded, padding marked, and the camera's numbers and the floor's plane given.
     pub fn paper(method: PsiMethod) -> Self {
         Self {
             semantics: Semantics::Embedding(8),
             valid_mask: true,
             camera_scale: true,
+            floor_plane: true,
             ..Self::published(method)
         }
     }
@@ -162,6 +171,11 @@ impl PsiConfig {
             Semantics::Embedding(channels) => channels,
         };
         1 + usize::from(self.valid_mask) + semantics
+    }
+
+    /// Numbers beside the picture: those of π and the floor's plane.
+    pub fn view_numbers(&self) -> usize {
+        2 * usize::from(self.camera_scale) + FLOOR_PLANE * usize::from(self.floor_plane)
     }
 
     /// Side of the feature map after the trunk.

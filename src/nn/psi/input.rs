@@ -1,8 +1,9 @@
 //! What the networks of PSI are given, as plain numbers, and how it becomes tensors.
 
 use burn::tensor::{Device, Int, Tensor, TensorData};
+use glam::{Mat3, Vec3};
 
-use super::config::{CLASSES, IMAGE, PsiConfig, Semantics, Stem};
+use super::config::{CLASSES, FLOOR_PLANE, IMAGE, PsiConfig, Semantics, Stem};
 use crate::nn::graph::tensor;
 
 /// Deepest depth that counts, metres (published code: clipped at 6).
@@ -24,6 +25,13 @@ pub const MPCAT40: [u8; CLASSES] = {
     }
     numbers
 };
+
+/// Floor, in Matterport3D's numbers and in ours.
+const FLOOR_LABEL: u8 = 2;
+/// A plane needs this many pixels: a patch of 8 by 8.
+const FLOOR_PIXELS: usize = 64;
+/// Inverse depths that differ by more than this (1/m: 3 cm at 2 m) are not of the same floor.
+const FLOOR_TOLERANCE: f32 = 0.008;
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,7 +92,7 @@ pub struct SceneTensors {
     pub(super) pixels: Pixels,
     /// Classes in the order of the pixels, `[batch, 128 * 128]`.
     pub(super) labels: Option<Tensor<2, Int>>,
-    /// `[batch, 2]`: largest depth over its clip, focal length of π.
+    /// `[batch, view numbers]`: largest depth over its clip and focal length of π, then the floor's plane, as configured.
     pub(super) camera: Tensor<2>,
     /// Pictures.
     pub(super) batch: usize,
@@ -131,7 +139,7 @@ impl SceneTensors {
         Self {
             pixels,
             labels: embedded.then(|| Tensor::from_data(label_data(), device)),
-            camera: camera(scenes, device),
+            camera: camera(config, scenes, device),
             batch,
         }
     }
@@ -147,9 +155,55 @@ fn plain_channels(config: &PsiConfig) -> usize {
     1 + usize::from(config.valid_mask) + usize::from(config.semantics == Semantics::Scalar)
 }
 
-fn camera(scenes: &[&SceneInput], device: &Device) -> Tensor<2> {
-    let numbers = scenes.iter().flat_map(|s| [s.max_depth_m / CLIP_M, s.focal]).collect();
-    tensor(numbers, [scenes.len(), 2], device)
+fn camera(config: &PsiConfig, scenes: &[&SceneInput], device: &Device) -> Tensor<2> {
+    let mut numbers = Vec::with_capacity(scenes.len() * config.view_numbers());
+    for scene in scenes {
+        if config.camera_scale {
+            numbers.extend([scene.max_depth_m / CLIP_M, scene.focal]);
+        }
+        if config.floor_plane {
+            numbers.extend(floor_plane(scene));
+        }
+    }
+    tensor(numbers, [scenes.len(), config.view_numbers()], device)
+}
+
+/// The plane of the pixels that are labelled floor: its unit normal towards the floor (camera frame, y down), the
+/// camera's distance from it in metres, and 1; zeros where too little floor is seen.
+///
+/// A plane's inverse depth is linear in the picture, 1 / z = n . (x/z, y/z, 1) / distance, so three equations give it;
+/// pixels that lie off (a wrong label, a border) weigh less in a second and third round.
+pub(super) fn floor_plane(scene: &SceneInput) -> [f32; FLOOR_PLANE] {
+    let middle = IMAGE as f32 * 0.5;
+    let pixel = |at: usize| {
+        let flat = |i: usize| (i as f32 + 0.5 - middle) / (middle * scene.focal);
+        (Vec3::new(flat(at % IMAGE), flat(at / IMAGE), 1.0), 1.0 / scene.depth_m[at])
+    };
+    let is_floor = |at: &usize| {
+        scene.labels[*at] == FLOOR_LABEL
+            && scene.valid.contains(*at)
+            && (0.1..CLIP_M).contains(&scene.depth_m[*at])
+    };
+    let floor: Vec<(Vec3, f32)> = (0..IMAGE * IMAGE).filter(is_floor).map(pixel).collect();
+    if floor.len() < FLOOR_PIXELS {
+        return [0.0; FLOOR_PLANE];
+    }
+    let mut plane = Vec3::ZERO;
+    for round in 0..3 {
+        let (mut matrix, mut right) = (Mat3::ZERO, Vec3::ZERO);
+        for (along, inverse_m) in &floor {
+            let off = (plane.dot(*along) - inverse_m) / FLOOR_TOLERANCE;
+            let weight = if round == 0 { 1.0 } else { 1.0 / (1.0 + off * off) };
+            matrix += Mat3::from_cols(*along * along.x, *along * along.y, *along) * weight;
+            right += *along * (weight * inverse_m);
+        }
+        if matrix.determinant().abs() < 1e-9 {
+            return [0.0; FLOOR_PLANE];
+        }
+        plane = matrix.inverse() * right;
+    }
+    let normal = plane.normalize_or_zero();
+    [normal.x, normal.y, normal.z, (1.0 / plane.length()).min(CLIP_M), 1.0]
 }
 
 /// Depth as 2 d / max - 1 (0 where padded), the mask, and the paper's scalar semantics.
@@ -204,6 +258,37 @@ mod tests {
         let back = scene.denormalize(scene.normalize(t));
         assert!(t.iter().zip(back).all(|(a, b)| (a - b).abs() < 1e-5), "{back:?}");
         assert_eq!(scene.normalize([0.0, 0.0, 4.5])[2], 1.0);
+    }
+
+    /// A floor 1.6 m below a camera that looks down by `pitch`, with a table's worth of wrong labels.
+    fn floor_seen(pitch: f32, wrong: usize) -> SceneInput {
+        let (sin, cos) = pitch.sin_cos();
+        let focal = 1.5;
+        let depth = |at: usize| {
+            let y = ((at / IMAGE) as f32 + 0.5 - 64.0) / (64.0 * focal);
+            let down = sin + cos * y;
+            if down > 0.3 { 1.6 / down } else { 0.0 }
+        };
+        let mut depth_m: Vec<f32> = (0..IMAGE * IMAGE).map(depth).collect();
+        let labels = depth_m.iter().map(|d| if *d > 0.0 { FLOOR_LABEL } else { 1 }).collect();
+        depth_m.iter_mut().rev().take(wrong).for_each(|d| *d *= 0.5);
+        let valid = ValidArea { left: 0, top: 0, width: IMAGE, height: IMAGE };
+        SceneInput { depth_m, labels, valid, max_depth_m: CLIP_M, focal }
+    }
+
+    #[test]
+    fn the_floor_tells_how_the_camera_is_tilted_and_how_high_it_stands() {
+        for (pitch, wrong) in [(0.4f32, 0), (0.7, 0), (0.5, 1000)] {
+            let [x, y, z, height_m, seen] = floor_plane(&floor_seen(pitch, wrong));
+            let off = (Vec3::new(x, y, z) - Vec3::new(0.0, pitch.cos(), pitch.sin())).length();
+            assert!(
+                off < 0.02 && (height_m - 1.6).abs() < 0.03 && seen == 1.0,
+                "{pitch}: {x} {y} {z} {height_m}"
+            );
+        }
+        let mut hidden = floor_seen(0.4, 0);
+        hidden.labels.fill(5);
+        assert_eq!(floor_plane(&hidden), [0.0; FLOOR_PLANE]);
     }
 
     #[test]

@@ -102,19 +102,18 @@ impl PsiNetwork {
     }
 
     /// Encodes and decodes bodies `[batch, 75]` (translation normalised) with `noise`
-    /// `[batch, config.noise()]`.
+    /// `[batch, config.noise()]`, in scenes encoded by [`PsiNetwork::encode_scene`].
     pub fn reconstruct(
         &self,
         g: &Graph,
-        scenes: &SceneTensors,
+        features: &[Tensor<2>],
         bodies: Tensor<2>,
         noise: Tensor<2>,
     ) -> Reconstruction {
-        let features = self.encode_scene(g, scenes);
         match &self.kind {
-            Kind::S1(net) => net.reconstruct(g, &features, bodies, noise),
-            Kind::S2(net) => net.reconstruct(g, &features, bodies, noise),
-            Kind::Baseline(net) => net.reconstruct(g, &features, bodies, noise),
+            Kind::S1(net) => net.reconstruct(g, features, bodies, noise),
+            Kind::S2(net) => net.reconstruct(g, features, bodies, noise),
+            Kind::Baseline(net) => net.reconstruct(g, features, bodies, noise),
         }
     }
 
@@ -197,7 +196,8 @@ impl PsiSampler {
         let given = tensor(given, [count, BODY], &self.device);
         let noise =
             tensor(vec![0.0; count * self.config().noise()], [count, self.config().noise()], &self.device);
-        let made = self.network.reconstruct(&self.graph, &scene_tensors, given, noise);
+        let features = self.network.encode_scene(&self.graph, &scene_tensors);
+        let made = self.network.reconstruct(&self.graph, &features, given, noise);
         let divergences: Vec<Vec<f32>> = made.posteriors.iter().map(Posterior::divergence_of_each).collect();
         let bodies = numbers(&made.body);
         let body = |i: usize| in_metres(scenes[i], &bodies[i * BODY..(i + 1) * BODY]);

@@ -78,8 +78,9 @@ fn the_framework_s_gradients_agree_with_finite_differences() {
             let scenes = SceneTensors::new(network.config(), &[&a, &b], g.device());
             let bodies = tensor(codes(2, BODY), [2, BODY], g.device());
             let noise = network.config().noise();
+            let features = network.encode_scene(&g, &scenes);
             let made =
-                network.reconstruct(&g, &scenes, bodies, tensor(codes(2, noise), [2, noise], g.device()));
+                network.reconstruct(&g, &features, bodies, tensor(codes(2, noise), [2, noise], g.device()));
             let divergence = made.posteriors.iter().map(Posterior::divergence).reduce(|a, b| a + b);
             (made.body.square().mean() + divergence.expect("a stage"), g)
         };

@@ -25,7 +25,7 @@ pub(super) struct SceneEncoder {
     blocks: Vec<BasicBlock>,
     head: Conv,
     flat: usize,
-    camera_scale: bool,
+    view_numbers: usize,
     lift: Linear,
 }
 
@@ -78,7 +78,7 @@ impl SceneEncoder {
         let shape = ConvShape { channels: [second, head], kernel: 3, stride: 1 };
         let side = config.feature_side();
         let flat = head * side * side;
-        let inputs = flat + if config.camera_scale { 2 } else { 0 };
+        let inputs = flat + config.view_numbers();
         Self {
             embedding,
             stem,
@@ -87,7 +87,7 @@ impl SceneEncoder {
             blocks,
             head: Conv::declare_with_bias(d, &format!("{name}.head"), shape),
             flat,
-            camera_scale: config.camera_scale,
+            view_numbers: config.view_numbers(),
             lift: Linear::declare(d, &format!("{name}.lift"), inputs, config.lift),
         }
     }
@@ -98,7 +98,10 @@ impl SceneEncoder {
         let x = if self.pool { max_pool(x) } else { x };
         let x = self.blocks.iter().fold(x, |x, block| block.forward(g, x));
         let flat = self.head.forward(g, x).reshape([scenes.batch, self.flat]);
-        let flat = if self.camera_scale { Tensor::cat(vec![flat, scenes.camera.clone()], 1) } else { flat };
+        let flat = match self.view_numbers {
+            0 => flat,
+            _ => Tensor::cat(vec![flat, scenes.camera.clone()], 1),
+        };
         self.lift.forward(g, flat)
     }
 
