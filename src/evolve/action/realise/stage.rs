@@ -333,3 +333,21 @@ fn key_objects(room: &Room, surfaces: &[Surface]) -> BTreeMap<KeyObject, Vec<Obj
     let serving = |key: KeyObject| key.categories().iter().map(|c| of(*c)).find(|found| !found.is_empty());
     KeyObject::ALL.into_iter().map(|key| (key, serving(key).unwrap_or_default())).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::shape::tests::block_triangles;
+    use super::*;
+
+    #[test]
+    fn what_leaned_against_something_lies_flat_once_it_is_moved() {
+        let cushion = block_triangles(Vec3::new(0.4, 0.1, 0.4));
+        let tilted = Affine3A::from_rotation_x(1.0);
+        let leaning: Vec<_> = cushion.iter().map(|t| t.map(|p| tilted.transform_point3(p))).collect();
+        let laid = lying(&Shape::new(leaning)).expect("it stands on an edge: it would fall");
+        let size = laid.shape.bounds.size();
+        assert!(size.y < 0.13, "{size}: about as high as the cushion is thick");
+        assert!(laid.shape.bounds.min.y.abs() < 1e-4, "about the middle of its underside");
+        assert!(lying(&Shape::new(cushion)).is_none(), "what lies stays as it is");
+    }
+}

@@ -257,23 +257,6 @@ fn nobody_stands_at_a_couch_to_watch_television() {
 }
 
 #[test]
-fn what_leaned_against_something_lies_flat_once_it_is_moved_and_is_the_same_thing() {
-    let start = start("living", 1);
-    let leaning = start.stage().movable.iter().find(|f| f.laid.is_some()).expect("cushions lean on the sofa");
-    let before = start.world().item(leaning.id).expect("there");
-    let moved = before.to_be_moved();
-    let lowest = |size: glam::Vec3| size.min_element();
-    assert!(
-        moved.shape.bounds.size().y <= lowest(before.shape.bounds.size()) + 1e-3,
-        "it lies on its largest side"
-    );
-    let triangles = |item: &super::Item| item.shape.tree.triangles().len();
-    assert_eq!(triangles(before), triangles(&moved));
-    let contacts: Vec<glam::Vec2> = moved.shape.under.iter().filter(|p| p.contact).map(|p| p.at).collect();
-    assert!(!contacts.is_empty());
-}
-
-#[test]
 fn things_go_far_when_all_is_taken_near_by() {
     // A table full of plates: what is in the way there goes to another surface, not nowhere.
     let evolution = run(start("living", 9), 40);
