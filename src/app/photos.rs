@@ -108,7 +108,7 @@ fn person(id: u32, body: BodyParams, family: PoseFamily) -> Person {
         name: format!("Person {}", id + 1),
         body,
         family,
-        on: "photo".to_owned(),
+        on: "what the photo shows".to_owned(),
         seed: 0,
         palette: id,
         visible: true,

@@ -201,6 +201,16 @@ impl EditorState {
         }
     }
 
+    /// Actions never bring or use this kind, or may again.
+    pub fn toggle_ban(&mut self, kind: &str) {
+        let banned = &mut self.living.choice.banned;
+        let before = banned.len();
+        banned.retain(|known| known != kind);
+        if banned.len() == before {
+            banned.push(kind.to_owned());
+        }
+    }
+
     /// Takes the things of earlier sessions from `folder`, and keeps new ones there.
     pub fn remember_things(&mut self, folder: Option<PathBuf>) {
         let Some(folder) = folder else { return };

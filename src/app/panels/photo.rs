@@ -32,7 +32,7 @@ fn files(ui: &mut Ui, state: &mut EditorState) {
         [("Photo", "PNG or JPEG", false), ("Keypoints", "COCO or OpenPose json", true)]
     {
         ui.horizontal(|ui| {
-            let label = ui.label(name);
+            let label = ui.add_sized([66.0, 20.0], egui::Label::new(name).halign(egui::Align::LEFT));
             let path =
                 if keypoints { &mut state.photo.keypoints_path } else { &mut state.photo.picture_path };
             let width = ui.available_width() - 62.0;

@@ -96,11 +96,7 @@ fn row(ui: &mut Ui, state: &mut EditorState, kind: &ThingKind) {
         let verb = if banned { "Allow" } else { "Ban" };
         let strength = if banned { 1.0 } else { 0.35 };
         if icons::button(ui, Icon::Ban, &format!("{verb} {}", kind.kind), strength).clicked() {
-            if banned {
-                state.living.choice.banned.retain(|name| *name != kind.kind);
-            } else {
-                state.living.choice.banned.push(kind.kind.clone());
-            }
+            state.toggle_ban(&kind.kind);
         }
         let mut most = state.most_of(kind);
         let edited = most != kind.most;

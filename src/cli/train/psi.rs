@@ -81,7 +81,7 @@ pub struct Arguments {
     /// L_HS also on bodies of codes drawn from N(0, I), which is how bodies are sampled later (ours; the paper's sees
     /// reconstructions only): weights of their contact and collision, and c of the contact in metres.
     #[arg(long, requires = "scene_loss", value_name = "CONTACT,COLLISION,C", value_parser = drawn_weights,
-        num_args = 0..=1, default_missing_value = "1,0.3,0.1")]
+        num_args = 0..=1, default_missing_value = "1,1,0.1")]
     drawn: Option<DrawnWeights>,
     /// How large the network is.
     #[arg(long, value_enum, default_value_t = Size::Compact)]
@@ -115,14 +115,14 @@ pub struct Arguments {
     common: Common,
 }
 
-/// Three numbers, as in `1,0.3,0.1`.
+/// Three numbers, as in `1,1,0.1`.
 fn drawn_weights(text: &str) -> Result<DrawnWeights, String> {
     let numbers: Option<Vec<f32>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
     match numbers.as_deref() {
         Some(&[contact, collision, robust_c_m]) if contact >= 0.0 && collision >= 0.0 && robust_c_m > 0.0 => {
             Ok(DrawnWeights { contact, collision, robust_c_m })
         }
-        _ => Err("give three numbers: contact, collision and c in metres, as in 1,0.3,0.1".to_owned()),
+        _ => Err("give three numbers: contact, collision and c in metres, as in 1,1,0.1".to_owned()),
     }
 }
 

@@ -97,7 +97,7 @@ pub struct DrawnWeights {
 
 impl Default for DrawnWeights {
     fn default() -> Self {
-        Self { contact: 1.0, collision: 0.3, robust_c_m: 0.1 }
+        Self { contact: 1.0, collision: 1.0, robust_c_m: 0.1 }
     }
 }
 
