@@ -63,5 +63,6 @@ pub use rig_motion::{RigJoint, RigMotion};
 pub use samples::{SampleRoom, sample_rooms};
 pub use weights::{Precision, WeightTensor, Weights, WeightsError};
 pub use write_glb::{
-    GlbWriteError, SkinJoint, SkinMotion, SkinnedMesh, glb_from_model, glb_from_skinned, glb_with_people,
+    GlbWriteError, ObjectKey, ObjectMotion, SkinJoint, SkinMotion, SkinnedMesh, glb_from_model,
+    glb_from_skinned, glb_of_motions, glb_with_people,
 };

@@ -1,5 +1,6 @@
 //! `inhabit evolve`: actions happen in a room, step by step, without a window.
 
+mod day;
 mod pictures;
 mod report;
 
@@ -53,6 +54,10 @@ pub struct EvolveArguments {
     /// Objects of the room, by name, that must stay where they are.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub lock: Vec<String>,
+    /// One person goes from action to action on one timeline: `day.glb` (they and the things move), picture strips and
+    /// `evolution.json` with the times. What people do in groups is left out.
+    #[arg(long)]
+    pub day: bool,
     /// So many people in a group; as learned when left out.
     #[arg(long, value_name = "N")]
     pub group: Option<usize>,
@@ -111,6 +116,9 @@ pub fn run(arguments: &EvolveArguments) -> anyhow::Result<Ended> {
     let config = config(arguments)?;
     let root = arguments.out.clone().unwrap_or_else(load::default_output);
     let folder = OutputFolder::claim(&root, arguments.resume)?;
+    if arguments.day {
+        return day::run(arguments, loaded.room.clone(), model, config, &folder);
+    }
     let Some(computed) = compute(arguments, &loaded, &model, config)? else {
         return Ok(Ended::Interrupted);
     };

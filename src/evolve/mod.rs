@@ -3,6 +3,7 @@
 //! Works on snapshots; may not name the document, the renderer or a front end.
 
 pub mod action;
+pub mod day;
 pub mod journey;
 
 mod choose;

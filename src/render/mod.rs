@@ -35,7 +35,7 @@ pub use gpu::Viewport;
 pub use heat::{CONTACT_M, DEEP_END_M, FREE_END_M, HeatTick, STOPS, TICKS, heat_color, heat_position};
 pub use light::srgb_from_linear;
 pub use painter::{Backend, Painter, picture};
-pub use people_glb::{clips_glb, person_glb};
+pub use people_glb::{clips_glb, moving_room_glb, person_glb};
 pub use pick::{Pick, Picked, Picker};
 pub use picture::{MAX_SIDE, Picture, render_image};
 pub use views::{frame_bounds, person_views, room_views};

@@ -2,7 +2,7 @@
 
 use super::dress::{BodySurface, Outfit, SurfacePart};
 use super::light::srgb_from_linear;
-use crate::assets::{self, GlbWriteError};
+use crate::assets::{self, GlbWriteError, ObjectMotion};
 use crate::body::{self, Body};
 use crate::scene::{Clip, Person, Room, model_from_room};
 
@@ -30,10 +30,24 @@ pub fn clips_glb<'a>(
     clips: impl IntoIterator<Item = &'a Clip>,
     surface: &BodySurface,
 ) -> Result<Vec<u8>, GlbWriteError> {
+    moving_room_glb(name, room, &[], clips, surface)
+}
+
+/// As [`clips_glb`], with objects of the room that move or come on the same timeline.
+///
+/// # Errors
+/// When a body or the room can't be written, which would be a bug.
+pub fn moving_room_glb<'a>(
+    name: &str,
+    room: Option<&Room>,
+    objects: &[ObjectMotion],
+    clips: impl IntoIterator<Item = &'a Clip>,
+    surface: &BodySurface,
+) -> Result<Vec<u8>, GlbWriteError> {
     let moving = |clip: &Clip| body::skinned_clip(Body::bundled(), clip, colors(surface, clip.palette));
     let people: Vec<_> = clips.into_iter().filter_map(moving).collect();
     let room = room.map(model_from_room);
-    assets::glb_with_people(name, room.as_ref(), &people)
+    assets::glb_of_motions(name, room.as_ref(), objects, &people)
 }
 
 /// sRGB colour of every vertex in the clothes that `palette` chooses.

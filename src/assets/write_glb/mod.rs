@@ -7,13 +7,15 @@ mod buffer;
 mod json;
 mod model;
 mod motion;
+mod moving;
 mod skinned;
 #[cfg(test)]
 mod tests;
 
 pub use model::glb_from_model;
 pub use motion::SkinMotion;
-pub use skinned::{SkinJoint, SkinnedMesh, glb_from_skinned, glb_with_people};
+pub use moving::{ObjectKey, ObjectMotion};
+pub use skinned::{SkinJoint, SkinnedMesh, glb_from_skinned, glb_of_motions, glb_with_people};
 
 /// Why a value can't be written as GLB.
 #[derive(Debug, thiserror::Error)]

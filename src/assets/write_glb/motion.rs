@@ -49,20 +49,19 @@ pub(super) fn unit(rotation: Quat) -> Quat {
     if length > 0.0 { rotation * length.recip() } else { Quat::IDENTITY }
 }
 
-/// Appends one animation for the bodies that move, each with the node of its first joint; none if nobody does.
-pub(super) fn add_animation(builder: &mut GlbBuilder, name: &str, bodies: &[(&SkinnedMesh, usize)]) {
-    let mut animation =
-        json::Animation { name: name.to_owned(), channels: Vec::new(), samplers: Vec::new(), extras: None };
+/// Adds the channels of the bodies that move, each with the node of its first joint.
+pub(super) fn add_bodies(
+    builder: &mut GlbBuilder,
+    animation: &mut json::Animation,
+    bodies: &[(&SkinnedMesh, usize)],
+) {
     for (body, first_joint) in bodies {
         let Some(motion) = body.motion.as_ref().filter(|motion| !motion.translations_m.is_empty()) else {
             continue;
         };
-        add_body(builder, &mut animation, body, motion, *first_joint);
+        add_body(builder, animation, body, motion, *first_joint);
         // Blender counts in frames of its scene: without this number nobody knows how many make a second.
         animation.extras = Some(serde_json::json!({ "fps": motion.fps }));
-    }
-    if !animation.channels.is_empty() {
-        builder.root.animations.push(animation);
     }
 }
 

@@ -5,6 +5,7 @@ use super::buffer::{GlbBuilder, Layout};
 use super::json;
 use super::model::begin_with_model;
 use super::motion::{self, SkinMotion};
+use super::moving::{self, ObjectMotion};
 use crate::assets::{Mesh, Model};
 
 /// Joints that move one vertex; what viewers must support at least (glTF 2.0 §3.7.3.1).
@@ -66,6 +67,19 @@ pub fn glb_with_people(
     room: Option<&Model>,
     people: &[SkinnedMesh],
 ) -> Result<Vec<u8>, GlbWriteError> {
+    glb_of_motions(name, room, &[], people)
+}
+
+/// As [`glb_with_people`], with objects of the room that move or come while the people do.
+///
+/// # Errors
+/// As [`glb_with_people`]; [`GlbWriteError::OutOfRange`] for an object that the room has not.
+pub fn glb_of_motions(
+    name: &str,
+    room: Option<&Model>,
+    objects: &[ObjectMotion],
+    people: &[SkinnedMesh],
+) -> Result<Vec<u8>, GlbWriteError> {
     let (mut builder, mut nodes) = match room {
         Some(room) => begin_with_model(room)?,
         None => (GlbBuilder::default(), Vec::new()),
@@ -81,7 +95,16 @@ pub fn glb_with_people(
         nodes.extend([first + BODY_NODE, first + ARMATURE_NODE]);
         armatures.push((body, first + FIRST_JOINT_NODE));
     }
-    motion::add_animation(&mut builder, name, &armatures);
+    let mut animation =
+        json::Animation { name: name.to_owned(), channels: Vec::new(), samplers: Vec::new(), extras: None };
+    motion::add_bodies(&mut builder, &mut animation, &armatures);
+    if let Some(room) = room {
+        // The room's root nodes come first.
+        moving::add_objects(&mut builder, &mut animation, room, &mut nodes, objects)?;
+    }
+    if !animation.channels.is_empty() {
+        builder.root.animations.push(animation);
+    }
     builder.root.scenes.push(json::Scene { name: name.to_owned(), nodes });
     builder.finish()
 }

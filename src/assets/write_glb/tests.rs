@@ -343,3 +343,47 @@ fn a_body_that_cannot_be_skinned_is_refused() {
     bad.joints.pop();
     assert!(matches!(glb_from_skinned(&bad), Err(GlbWriteError::Length { .. })));
 }
+
+#[test]
+fn an_object_that_moves_ends_where_the_model_has_it_and_comes_when_it_should() {
+    let mesh = Arc::new(mesh());
+    let model = model(vec![part("rug", 3, &mesh, Affine3A::IDENTITY), part("cup", 7, &mesh, somewhere())]);
+    let model_from_object =
+        Affine3A::from_rotation_translation(Quat::from_rotation_y(0.5), Vec3::new(0.4, 0.7, 0.0));
+    let key = |at_s: f32, translation_m: Vec3, turn: f32| ObjectKey {
+        at_s,
+        translation_m,
+        rotation: Quat::from_rotation_y(turn),
+    };
+    let keys = vec![key(1.0, Vec3::X, 0.0), key(2.0, Vec3::new(0.4, 0.7, 0.0), 0.5)];
+    let motion = ObjectMotion { node: 7, model_from_object, keys, comes_s: Some(1.0) };
+    let file = glb_of_motions("day", Some(&model), &[motion.clone()], &[]).expect("sound");
+    let (document, blob) = open(&file);
+    let scene = document.scenes().next().expect("one");
+    let above = scene.nodes().find(|n| n.name() == Some("cup moves")).expect("its own node");
+    let below = above.children().next().expect("what moves");
+    let placed = |node: &gltf::Node<'_>| Mat4::from_cols_array_2d(&node.transform().matrix());
+    let found = placed(&above) * placed(&below);
+    assert!(found.abs_diff_eq(Mat4::from(somewhere()), 1e-5), "at rest it is where the model has it");
+    let animation = document.animations().next().expect("one");
+    let mut paths = Vec::new();
+    for channel in animation.channels() {
+        assert_eq!(channel.target().node().index(), above.index());
+        let reader = channel.reader(|_| Some(&blob));
+        let times: Vec<f32> = reader.read_inputs().expect("times").collect();
+        match reader.read_outputs().expect("values") {
+            gltf::animation::util::ReadOutputs::Translations(at) => {
+                assert_eq!((times, at.last()), (vec![1.0, 2.0], Some([0.4, 0.7, 0.0])));
+                paths.push("translation");
+            }
+            gltf::animation::util::ReadOutputs::Scales(scales) => {
+                assert_eq!((times, scales.collect::<Vec<_>>()), (vec![0.0, 1.0], vec![[0.0; 3], [1.0; 3]]));
+                paths.push("scale");
+            }
+            _ => paths.push("rotation"),
+        }
+    }
+    assert_eq!(paths, ["translation", "rotation", "scale"]);
+    let nowhere = ObjectMotion { node: 5, ..motion };
+    assert!(glb_of_motions("day", Some(&model), &[nowhere], &[]).is_err(), "the model has no such object");
+}

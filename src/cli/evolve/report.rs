@@ -226,7 +226,8 @@ impl StepRow {
     }
 }
 
-fn thing(thing: &Inserted) -> ThingRow {
+/// A row of something that was brought.
+pub fn thing(thing: &Inserted) -> ThingRow {
     ThingRow {
         object: thing.name.clone(),
         kind: thing.kind.clone(),
@@ -237,7 +238,8 @@ fn thing(thing: &Inserted) -> ThingRow {
     }
 }
 
-fn moved(thing: &Moved) -> MovedRow {
+/// A row of something that was moved.
+pub fn moved(thing: &Moved) -> MovedRow {
     let turned = |a: &Pose, b: &Pose| (b.yaw_rad - a.yaw_rad).to_degrees();
     MovedRow {
         object: thing.name.clone(),

@@ -36,7 +36,8 @@ pub use model::{
 };
 pub use realise::{
     Candidates, Companion, Embodied, Evolution, EvolutionConfig, EvolutionStep, Faces, Failed, Found, Ground,
-    GroupMode, Held, Inserted, Interpenetration, Item, Kind, KindId, Library, LibraryError, MoveReason,
+    GroupMode, Held, Inserted, Interpenetration, Item, Kind, KindId, Laid, Library, LibraryError, MoveReason,
     Moved, NotPossible, Off, PENETRATION_MM, Pose, RoomMeasures, Sample, Shape, Source, Spot, Stage,
-    StepPerson, Suggestion, Surface, Thing, UnderPoint, Verdict, World, Zone, embody, measure, scene_state,
+    StepPerson, Suggestion, Surface, Thing, UnderPoint, Verdict, World, Zone, embody, embody_as, measure,
+    scene_state,
 };

@@ -10,7 +10,8 @@ use super::TriangleBvh;
 const TOUCH_M: f32 = 1e-6;
 
 impl TriangleBvh {
-    /// Whether a triangle of this tree meets one of `other`, whose frame is placed by `self_from_other`.
+    /// Whether a triangle of this tree meets one of `other`, whose frame is placed by `self_from_other`, which turns and
+    /// shifts only.
     pub fn meets(&self, other: &Self, self_from_other: &Affine3A) -> bool {
         self.first_meeting(other, self_from_other).is_some()
     }
@@ -21,11 +22,12 @@ impl TriangleBvh {
             return None;
         }
         let turn = Turn::new(self_from_other);
-        let mut stack = vec![(0_u32, 0_u32)];
+        let mut stack = Vec::with_capacity(64);
+        stack.push((0_u32, 0_u32));
         while let Some((a, b)) = stack.pop() {
             let (mine, theirs) = (&self.tree.nodes[a as usize], &other.tree.nodes[b as usize]);
-            let (box_a, box_b) = (mine.aabb(), turn.bounds(theirs.aabb()));
-            if !overlap(box_a, &box_b) {
+            let (box_a, box_b) = (mine.aabb(), theirs.aabb());
+            if turn.parts(box_a, box_b) {
                 continue;
             }
             match (mine.is_leaf(), theirs.is_leaf()) {
@@ -55,10 +57,16 @@ impl TriangleBvh {
     ) -> Option<(usize, usize)> {
         for slot_b in theirs {
             let b = other.tree.primitive_indices[slot_b as usize] as usize;
-            let placed = other.triangles[b].map(|p| self_from_other.transform_point3a(p.into()));
+            let [p, q, r] = &other.triangles[b];
+            let placed = [
+                self_from_other.transform_point3a(Vec3A::from(*p)),
+                self_from_other.transform_point3a(Vec3A::from(*q)),
+                self_from_other.transform_point3a(Vec3A::from(*r)),
+            ];
             for slot_a in mine.clone() {
                 let a = self.tree.primitive_indices[slot_a as usize] as usize;
-                if triangles_meet(&self.triangles[a].map(Vec3A::from), &placed) {
+                let [p, q, r] = &self.triangles[a];
+                if triangles_meet(&[Vec3A::from(*p), Vec3A::from(*q), Vec3A::from(*r)], &placed) {
                     return Some((a, b));
                 }
             }
@@ -87,59 +95,77 @@ impl TriangleBvh {
     }
 }
 
-/// Boxes of one frame as boxes of another.
+/// How the frame of one tree lies in that of another, to tell boxes of the two apart.
 struct Turn {
     place: Affine3A,
+    /// The turn without signs: how far a box of the other frame reaches in this one.
     reach: Mat3A,
+    back: Mat3A,
+    back_reach: Mat3A,
 }
 
 impl Turn {
     fn new(place: &Affine3A) -> Self {
-        let m = place.matrix3;
-        Self { place: *place, reach: Mat3A::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs()) }
+        let unsigned = |m: Mat3A| Mat3A::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+        let back = place.matrix3.transpose();
+        Self { place: *place, reach: unsigned(place.matrix3), back, back_reach: unsigned(back) }
     }
 
-    fn bounds(&self, around: &TreeBox) -> TreeBox {
-        let middle = self.place.transform_point3a((around.min + around.max) * 0.5);
-        let half = self.reach * ((around.max - around.min) * 0.5);
-        TreeBox::new(middle - half, middle + half)
+    /// Whether a side of one of the boxes, `mine` of this frame and `theirs` of the other, has the other box before it.
+    #[inline]
+    fn parts(&self, mine: &TreeBox, theirs: &TreeBox) -> bool {
+        let (half, their_half) = ((mine.max - mine.min) * 0.5, (theirs.max - theirs.min) * 0.5);
+        let between =
+            self.place.transform_point3a((theirs.min + theirs.max) * 0.5) - (mine.min + mine.max) * 0.5;
+        between.abs().cmpgt(half + self.reach * their_half).any()
+            || (self.back * between).abs().cmpgt(their_half + self.back_reach * half).any()
     }
 }
 
-fn overlap(a: &TreeBox, b: &TreeBox) -> bool {
-    a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
-}
-
-/// Separating axes: both planes, all pairs of edges, and within the plane for flat on flat.
+/// Separating axes: both planes, all pairs of edges, and within the plane for flat on flat. Spelt out, for closures
+/// over arrays are not folded away here and this is where the time of placing things goes.
 fn triangles_meet(a: &[Vec3A; 3], b: &[Vec3A; 3]) -> bool {
     let (low_a, high_a) = (a[0].min(a[1]).min(a[2]), a[0].max(a[1]).max(a[2]));
     let (low_b, high_b) = (b[0].min(b[1]).min(b[2]), b[0].max(b[1]).max(b[2]));
     if low_a.cmpgt(high_b).any() || low_b.cmpgt(high_a).any() {
         return false;
     }
-    let edges = |t: &[Vec3A; 3]| [t[1] - t[0], t[2] - t[1], t[0] - t[2]];
-    let (ea, eb) = (edges(a), edges(b));
-    let (na, nb) = (ea[0].cross(ea[1]), eb[0].cross(eb[1]));
-    if apart(a, b, na) || apart(a, b, nb) {
+    let ea = [a[1] - a[0], a[2] - a[1], a[0] - a[2]];
+    let na = ea[0].cross(ea[1]);
+    if apart(a, b, na) {
         return false;
     }
-    let crossed = ea.iter().any(|x| eb.iter().any(|y| apart(a, b, x.cross(*y))));
-    let in_plane =
-        || ea.iter().any(|x| apart(a, b, na.cross(*x))) || eb.iter().any(|y| apart(a, b, nb.cross(*y)));
-    !crossed && !in_plane()
+    let eb = [b[1] - b[0], b[2] - b[1], b[0] - b[2]];
+    let nb = eb[0].cross(eb[1]);
+    if apart(a, b, nb) {
+        return false;
+    }
+    for x in &ea {
+        for y in &eb {
+            if apart(a, b, x.cross(*y)) {
+                return false;
+            }
+        }
+    }
+    for (x, y) in ea.iter().zip(&eb) {
+        if apart(a, b, na.cross(*x)) || apart(a, b, nb.cross(*y)) {
+            return false;
+        }
+    }
+    true
 }
 
+#[inline(always)]
 fn apart(a: &[Vec3A; 3], b: &[Vec3A; 3], axis: Vec3A) -> bool {
     let length2 = axis.length_squared();
     // Parallel edges have no axis of their own.
     if length2 < 1e-18 {
         return false;
     }
-    let (a, b) = (a.map(|p| p.dot(axis)), b.map(|p| p.dot(axis)));
-    let low = |v: [f32; 3]| v[0].min(v[1]).min(v[2]);
-    let high = |v: [f32; 3]| v[0].max(v[1]).max(v[2]);
+    let (a0, a1, a2) = (a[0].dot(axis), a[1].dot(axis), a[2].dot(axis));
+    let (b0, b1, b2) = (b[0].dot(axis), b[1].dot(axis), b[2].dot(axis));
     let slack = TOUCH_M * length2.sqrt();
-    high(a) <= low(b) + slack || high(b) <= low(a) + slack
+    a0.max(a1).max(a2) <= b0.min(b1).min(b2) + slack || b0.max(b1).max(b2) <= a0.min(a1).min(a2) + slack
 }
 
 #[cfg(test)]

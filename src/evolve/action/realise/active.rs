@@ -8,10 +8,11 @@ use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::library::{Faces, Ground, Kind};
+use super::placing::{Avoid, Onto, Rest};
 use super::shape::Shape;
 use super::stage::Surface;
 use super::step::{Candidates, Sample, Verdict};
-use super::world::{Avoid, Ball, Lifted, Onto, Rest, World, flat};
+use super::world::{Ball, Lifted, World, flat};
 use crate::evolve::action::PersonFrame;
 use crate::job::Rng;
 use crate::scene::{ObjectId, facing_of};
@@ -73,8 +74,7 @@ pub fn choose(world: &World, task: &Task<'_>, lifted: &Lifted, balls: &[Ball], r
     }
     let mut drawn = draw(world, task, rng);
     drawn.sort_by(|a, b| b.score.total_cmp(&a.score).then(order(a.at, b.at)));
-    let rest =
-        [WANTED_SHARE, 0.0].iter().find_map(|share| try_in_order(world, task, &mut drawn, *share, &avoid));
+    let rest = try_in_order(world, task, &mut drawn, &avoid);
     Chosen { rest, candidates: kept(task, &drawn) }
 }
 
@@ -147,26 +147,27 @@ fn yaw_of(task: &Task<'_>, at: Vec2, rng: &mut Rng) -> f32 {
     }
 }
 
-fn try_in_order(
-    world: &World,
-    task: &Task<'_>,
-    drawn: &mut [Drawn],
-    least_share: f32,
-    avoid: &Avoid<'_>,
-) -> Option<Rest> {
-    for place in drawn.iter_mut().filter(|d| d.verdict != Verdict::Collides) {
+/// The best place with as much of the thing on it as people want; else the best where at least half of it is.
+fn try_in_order(world: &World, task: &Task<'_>, drawn: &mut [Drawn], avoid: &Avoid<'_>) -> Option<Rest> {
+    let mut second: Option<(usize, Rest)> = None;
+    for (number, place) in drawn.iter_mut().enumerate() {
         let surface = &world.stage.surfaces[place.surface];
         let onto = Onto::Surface { number: place.surface, height_m: place.at.y, soft: surface.soft };
         match world.place(task.shape, flat(place.at), place.yaw_rad, onto, avoid) {
-            Ok(rest) if rest.share >= least_share => {
+            Ok(rest) if rest.share >= WANTED_SHARE => {
                 place.verdict = Verdict::Taken;
                 return Some(rest);
             }
-            Ok(_) => place.verdict = Verdict::Overhangs,
+            Ok(rest) => {
+                place.verdict = Verdict::Overhangs;
+                second.get_or_insert((number, rest));
+            }
             Err(refused) => place.verdict = refused.into(),
         }
     }
-    None
+    let (number, rest) = second?;
+    drawn[number].verdict = Verdict::Taken;
+    Some(rest)
 }
 
 /// On a plate or a board, near its middle.

@@ -1,6 +1,7 @@
 //! What is in the way goes as near as there is room (ADSE §5.2, eq. 11): on the surfaces that suit it, then on a
 //! stack, then on the floor.
 
+use std::collections::HashSet;
 use std::f32::consts::PI;
 use std::sync::Arc;
 
@@ -8,15 +9,23 @@ use glam::{Vec2, Vec3};
 use rand::RngExt as _;
 
 use super::library::{Ground, Kind, Library};
+use super::placing::{Avoid, Onto, Rest};
+use super::shape::Shape;
 use super::step::{Candidates, MoveReason, Sample, Verdict};
-use super::world::{Avoid, Ball, Held, Item, Lifted, Onto, Rest, World, flat};
+use super::world::{Ball, Held, Item, Lifted, Pose, World, flat};
 use super::zone::Zone;
 use crate::job::Rng;
 
 /// ADSE §5.2: places drawn for one thing.
 pub const AWAY_SAMPLES: usize = 10_000;
-/// ADSE §5.2: places tried in vain before an earlier decision is revised.
-pub const MOST_FAILURES: usize = 2000;
+/// Places looked at closely in vain before an earlier decision is revised. ADSE §5.2 has 2,000, and counts all; those
+/// that are plainly taken, or beside one that failed, don't count here.
+const MOST_FAILURES: usize = 800;
+/// Places in one square of the plan fail together; its side is this share of the thing's reach, within these metres.
+const BESIDE: f32 = 0.12;
+const BESIDE_M: std::ops::Range<f32> = 0.015..0.05;
+/// Of these, a search of one kind (near by, anywhere) takes this share of what is left, so that the next has some too.
+const AT_ONCE: usize = 2;
 /// Share of the places that is drawn near by, where most things end.
 const NEARBY: f32 = 0.3;
 /// How near that is.
@@ -55,6 +64,42 @@ pub struct Away<'a> {
     pub lifted: &'a Lifted,
 }
 
+/// A cell of a surface, by the surface's number.
+type Cell = (usize, Vec3);
+
+/// Squares of surfaces in which a place was tried in vain: another in the same square would fail too, as a rule.
+struct Failed {
+    square_m: f32,
+    squares: HashSet<(usize, i32, i32)>,
+}
+
+impl Failed {
+    fn of(shape: &Shape) -> Self {
+        let square_m = (shape.reach_m * BESIDE).clamp(BESIDE_M.start, BESIDE_M.end);
+        Self { square_m, squares: HashSet::new() }
+    }
+
+    fn square(&self, surface: usize, at: Vec3) -> (usize, i32, i32) {
+        let square = (flat(at) / self.square_m).floor().as_ivec2();
+        (surface, square.x, square.y)
+    }
+
+    fn is_beside(&self, surface: usize, at: Vec3) -> bool {
+        self.squares.contains(&self.square(surface, at))
+    }
+
+    fn add(&mut self, surface: usize, at: Vec3) {
+        self.squares.insert(self.square(surface, at));
+    }
+}
+
+/// Places that were tried for one thing.
+struct Tries {
+    samples: Vec<Sample>,
+    /// How many may still be looked at closely.
+    left: usize,
+}
+
 /// The place that was found for something in the way.
 pub struct Found {
     /// The place, with the reason to report.
@@ -65,16 +110,16 @@ pub struct Found {
 
 impl Away<'_> {
     /// The nearest free place for a thing.
-    pub fn find(&self, item: &Arc<Item>, rng: &mut Rng) -> Found {
+    pub fn find(&self, item: &Item, rng: &mut Rng) -> Found {
         let kind = item.kind.map(|k| self.library.kind(k));
         let suited = |ground: Ground| suits(kind, item, self.world, ground);
-        let mut samples = Vec::new();
+        let mut tries = Tries { samples: Vec::new(), left: MOST_FAILURES };
         let lies_on_floor = self.ground_now(item) == Some(Ground::Floor);
         let tops = |g: Ground| suited(g) && (g != Ground::Floor || lies_on_floor);
         let floor = |g: Ground| g == Ground::Floor;
         let clean = kind.is_some_and(|k| !k.on.contains(&Ground::Floor));
         let mut on = |allowed: &dyn Fn(Ground) -> bool, reach: Reach, why: MoveReason, rng: &mut Rng| {
-            self.on_surfaces(item, allowed, reach, rng, &mut samples).map(|rest| (rest, why))
+            self.on_surfaces(item, allowed, reach, rng, &mut tries).map(|rest| (rest, why))
         };
         let rest = on(&tops, Reach::Near, MoveReason::InTheWay, rng)
             .or_else(|| self.on_a_stack(item, kind, rng).map(|rest| (rest, MoveReason::Stacked)))
@@ -82,6 +127,7 @@ impl Away<'_> {
             // Food and china rather crowd the table than lie on the floor.
             .or_else(|| clean.then(|| on(&tops, Reach::InTheZone, MoveReason::Crowded, rng)).flatten())
             .or_else(|| on(&floor, Reach::Anywhere, MoveReason::ToTheFloor, rng));
+        let mut samples = tries.samples;
         let drawn = samples.len();
         samples.truncate(KEPT);
         Found { rest, candidates: Candidates { object: item.name.clone(), samples, drawn } }
@@ -96,49 +142,67 @@ impl Away<'_> {
 
     fn on_surfaces(
         &self,
-        item: &Arc<Item>,
+        item: &Item,
         allowed: &dyn Fn(Ground) -> bool,
         reach: Reach,
         rng: &mut Rng,
-        samples: &mut Vec<Sample>,
+        tries: &mut Tries,
     ) -> Option<Rest> {
-        let mut drawn = self.draw(item, allowed, reach, rng);
-        drawn.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.x.total_cmp(&b.2.x)).then(a.2.z.total_cmp(&b.2.z)));
-        let avoid = Avoid { lifted: self.lifted, balls: self.balls };
-        for (distance_m, surface, at) in drawn.into_iter().take(MOST_FAILURES) {
-            let soft = self.world.stage.surfaces[surface].soft;
-            let onto = Onto::Surface { number: surface, height_m: at.y, soft };
-            let (rest, verdict) = match self.try_at(item, flat(at), onto, reach, &avoid) {
-                Ok(rest) => (Some(rest), Verdict::Taken),
-                Err(verdict) => (None, verdict),
-            };
-            samples.push(Sample { at, score: -distance_m, verdict });
-            if rest.is_some() {
-                return rest;
+        let (cells, nearby) = self.cells(item, allowed, reach);
+        let near_count = if nearby.is_empty() { 0 } else { (AWAY_SAMPLES as f32 * NEARBY) as usize };
+        let least = tries.left - tries.left / AT_ONCE;
+        let mut failed = Failed::of(&item.shape);
+        for (cells, count) in [(nearby, near_count), (cells, AWAY_SAMPLES - near_count)] {
+            for (distance_m, surface, at) in self.draw(&cells, count, item.pose.at, rng) {
+                if failed.is_beside(surface, at) {
+                    continue;
+                }
+                let found = self.try_in_turn(item, (surface, at), reach, tries);
+                let verdict = found.err().unwrap_or(Verdict::Taken);
+                tries.samples.push(Sample { at, score: -distance_m, verdict });
+                if found.is_ok() {
+                    return found.ok();
+                }
+                failed.add(surface, at);
+                if tries.left <= least {
+                    return None;
+                }
             }
         }
         None
     }
 
-    /// Places as (distance from where it was, surface, point).
-    fn draw(
+    /// Looks at a place, closely only if it isn't plainly taken.
+    fn try_in_turn(
         &self,
         item: &Item,
-        allowed: &dyn Fn(Ground) -> bool,
+        (surface, at): Cell,
         reach: Reach,
-        rng: &mut Rng,
-    ) -> Vec<(f32, usize, Vec3)> {
+        tries: &mut Tries,
+    ) -> Result<Rest, Verdict> {
+        let avoid = Avoid { lifted: self.lifted, balls: self.balls };
+        let soft = self.world.stage.surfaces[surface].soft;
+        let onto = Onto::Surface { number: surface, height_m: at.y, soft };
+        if let Some(verdict) = self.plainly_not(item, flat(at), onto, reach, &avoid) {
+            return Err(verdict);
+        }
+        let found = self.try_at(item, flat(at), onto, reach, &avoid);
+        tries.left -= usize::from(found.is_err());
+        found
+    }
+
+    /// Where a thing may stand: all cells, and of them those near to where it is.
+    fn cells(&self, item: &Item, allowed: &dyn Fn(Ground) -> bool, reach: Reach) -> (Vec<Cell>, Vec<Cell>) {
         let from = item.pose.at;
         let farthest_m = if reach == Reach::Near { FARTHEST_M } else { f32::INFINITY };
         let height_m = item.shape.bounds.size().y;
-        let (mut cells, mut nearby): (Vec<(usize, Vec3)>, Vec<(usize, Vec3)>) = Default::default();
-        for (number, surface) in
-            self.world.stage.surfaces.iter().enumerate().filter(|(_, s)| allowed(s.ground))
-        {
+        let (mut cells, mut nearby): (Vec<Cell>, Vec<Cell>) = Default::default();
+        let surfaces = self.world.stage.surfaces.iter().enumerate().filter(|(_, s)| allowed(s.ground));
+        for (number, surface) in surfaces {
             for (at, clear_m) in &surface.cells {
                 let distance_m = at.distance(from);
-                let free = reach == Reach::InTheZone || !self.zone.holds_point(flat(*at), at.y);
-                if *clear_m > height_m && distance_m < farthest_m && free {
+                let fits = *clear_m > height_m && distance_m < farthest_m;
+                if fits && (reach == Reach::InTheZone || !self.zone.holds_point(flat(*at), at.y)) {
                     cells.push((number, *at));
                     if distance_m < NEARBY_M {
                         nearby.push((number, *at));
@@ -146,23 +210,40 @@ impl Away<'_> {
                 }
             }
         }
+        (cells, nearby)
+    }
+
+    /// Places as (distance from where it was, surface, point), the nearest first.
+    fn draw(&self, cells: &[Cell], count: usize, from: Vec3, rng: &mut Rng) -> Vec<(f32, usize, Vec3)> {
         if cells.is_empty() {
             return Vec::new();
         }
-        let near_count = if nearby.is_empty() { 0 } else { (AWAY_SAMPLES as f32 * NEARBY) as usize };
-        let one = |i: usize| {
-            let list = if i < near_count { &nearby } else { &cells };
-            let (surface, cell) = list[rng.random_range(0..list.len())];
+        let one = |_| {
+            let (surface, cell) = cells[rng.random_range(0..cells.len())];
             let half = 0.5 * self.world.stage.surfaces[surface].cell_m;
             let at = cell + Vec3::new(rng.random_range(-half..half), 0.0, rng.random_range(-half..half));
             (at.distance(from), surface, at)
         };
-        let mut drawn: Vec<(f32, usize, Vec3)> = (0..AWAY_SAMPLES).map(one).collect();
-        if drawn.len() > MOST_FAILURES {
-            drawn.select_nth_unstable_by(MOST_FAILURES, |a, b| a.0.total_cmp(&b.0));
-            drawn.truncate(MOST_FAILURES);
-        }
+        let mut drawn: Vec<(f32, usize, Vec3)> = (0..count).map(one).collect();
+        drawn.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.x.total_cmp(&b.2.x)).then(a.2.z.total_cmp(&b.2.z)));
         drawn
+    }
+
+    /// What is known of a place without looking closely.
+    fn plainly_not(
+        &self,
+        item: &Item,
+        at: Vec2,
+        onto: Onto,
+        reach: Reach,
+        avoid: &Avoid<'_>,
+    ) -> Option<Verdict> {
+        let nominal = Pose { at: Vec3::new(at.x, onto.height_m(), at.y), ..item.pose };
+        if reach != Reach::InTheZone && self.zone.holds(&item.shape, &nominal) {
+            return Some(Verdict::InTheZone);
+        }
+        let taken = self.world.is_plainly_taken(&item.shape, at, item.pose.yaw_rad, onto, avoid);
+        taken.then_some(Verdict::Collides)
     }
 
     fn try_at(
@@ -173,25 +254,18 @@ impl Away<'_> {
         reach: Reach,
         avoid: &Avoid<'_>,
     ) -> Result<Rest, Verdict> {
-        let height_m = match onto {
-            Onto::Surface { height_m, .. } => height_m,
-            Onto::Item { top_m, .. } => top_m,
-        };
-        let nominal = super::world::Pose { at: Vec3::new(at.x, height_m, at.y), ..item.pose };
-        let keeps_out = reach != Reach::InTheZone;
-        if keeps_out && self.zone.holds(&item.shape, &nominal) {
-            return Err(Verdict::InTheZone);
-        }
-        let rest =
-            self.world.place(&item.shape, at, item.pose.yaw_rad, onto, avoid).map_err(Verdict::from)?;
-        if keeps_out && self.zone.holds(&item.shape, &rest.pose) {
+        let rest = self
+            .world
+            .place_closely(&item.shape, at, item.pose.yaw_rad, onto, avoid)
+            .map_err(Verdict::from)?;
+        if reach != Reach::InTheZone && self.zone.holds(&item.shape, &rest.pose) {
             return Err(Verdict::InTheZone);
         }
         Ok(rest)
     }
 
     /// On top of something that its kind may lie on, the nearest first.
-    fn on_a_stack(&self, item: &Arc<Item>, kind: Option<&Kind>, rng: &mut Rng) -> Option<Rest> {
+    fn on_a_stack(&self, item: &Item, kind: Option<&Kind>, rng: &mut Rng) -> Option<Rest> {
         let below = |name: &String| self.library.named(name);
         let kinds: Vec<_> = kind?.stacks_on.iter().filter_map(below).collect();
         let mut bases: Vec<(f32, &Arc<Item>)> = self
@@ -213,8 +287,9 @@ impl Away<'_> {
             let onto = Onto::Item { id: base.id, top_m: base.bounds.max.y };
             (0..6).find_map(|k| {
                 let off = Vec2::from_angle(rng.random_range(-PI..PI)) * 0.02 * k as f32 / 6.0;
-                let middle = base.bounds.center();
-                self.try_at(item, flat(middle) + off, onto, Reach::Near, &avoid).ok()
+                let at = flat(base.bounds.center()) + off;
+                let plainly_not = self.plainly_not(item, at, onto, Reach::Near, &avoid).is_some();
+                if plainly_not { None } else { self.try_at(item, at, onto, Reach::Near, &avoid).ok() }
             })
         })
     }

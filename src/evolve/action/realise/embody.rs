@@ -47,6 +47,19 @@ pub struct Embodied {
 /// # Errors
 /// [`Cancelled`] once the user cancelled.
 pub fn embody(evolution: &Evolution, first_id: u32, ticker: &Ticker) -> Result<Vec<Embodied>, Cancelled> {
+    embody_as(evolution, None, first_id, ticker)
+}
+
+/// As [`embody`], all people with the body shape `betas`: somebody who is known already.
+///
+/// # Errors
+/// [`Cancelled`] once the user cancelled.
+pub fn embody_as(
+    evolution: &Evolution,
+    betas: Option<&[f32; BETAS]>,
+    first_id: u32,
+    ticker: &Ticker,
+) -> Result<Vec<Embodied>, Cancelled> {
     let Some(step) = evolution.steps().last() else { return Ok(Vec::new()) };
     let one = |(number, person): (usize, &StepPerson)| {
         let geometry = geometry_around(evolution, step, person);
@@ -54,7 +67,10 @@ pub fn embody(evolution: &Evolution, first_id: u32, ticker: &Ticker) -> Result<V
         let seed = evolution.seed_of(step.number).child("body", number as u64);
         let mut best: Option<(f32, Embodied)> = None;
         for attempt in 0..TRIES {
-            let fitted = fit(&geometry, person, id, seed.child("try", attempt), attempt == 0, ticker)?;
+            let seed = seed.child("try", attempt);
+            let betas = betas.copied().unwrap_or_else(|| drawn_shape(seed));
+            let task = Task { geometry: &geometry, person, id, betas };
+            let fitted = task.fit(seed, attempt == 0, ticker)?;
             let badness = fitted.findings.iter().map(Finding::severity).sum::<f32>();
             if best.as_ref().is_none_or(|(least, _)| badness < *least) {
                 best = Some((badness, fitted));
@@ -69,38 +85,47 @@ pub fn embody(evolution: &Evolution, first_id: u32, ticker: &Ticker) -> Result<V
     Ok(fitted?.into_iter().flatten().collect())
 }
 
-fn fit(
-    geometry: &RoomGeometry,
-    person: &StepPerson,
-    id: u32,
-    seed: Seed,
-    exactly: bool,
-    ticker: &Ticker,
-) -> Result<Embodied, Cancelled> {
-    let body = Body::bundled();
+/// A person of the population.
+fn drawn_shape(seed: Seed) -> [f32; BETAS] {
     let mut rng = seed.child("shape", 0).rng();
-    let betas: [f32; BETAS] = std::array::from_fn(|_| {
+    std::array::from_fn(|_| {
         let z: f32 = StandardNormal.sample(&mut rng);
         z.clamp(-2.0, 2.0) * SHAPE * FRAC_1_SQRT_2
-    });
-    let start = settle_person(body, geometry, &person.place, &betas, exactly, seed.child("pose", 0)).params;
-    let around = Surroundings::new(geometry, Aabb::of(body.pose(&start).vertices));
-    let fitter = Fitter::new(body);
-    let fitted = fitter.fit(&around, &start, person.family, &FitConfig::default(), ticker, &mut |_| ())?;
-    let report = inspect_body(geometry, body, &fitted.params);
-    let findings = Limits::default().findings(Site { body: id, frame: None }, &report.metrics);
-    let person = Person {
-        id: PersonId(id),
-        name: format!("Person {}", id + 1),
-        body: fitted.params,
-        family: person.family,
-        on: person.on.clone(),
-        seed: seed.value(),
-        palette: id,
-        visible: true,
-        locked: false,
-    };
-    Ok(Embodied { person, report, findings })
+    })
+}
+
+/// Somebody to be fitted.
+struct Task<'a> {
+    geometry: &'a RoomGeometry,
+    person: &'a StepPerson,
+    id: u32,
+    betas: [f32; BETAS],
+}
+
+impl Task<'_> {
+    fn fit(&self, seed: Seed, exactly: bool, ticker: &Ticker) -> Result<Embodied, Cancelled> {
+        let (body, geometry, person, id) = (Body::bundled(), self.geometry, self.person, self.id);
+        let start =
+            settle_person(body, geometry, &person.place, &self.betas, exactly, seed.child("pose", 0)).params;
+        let around = Surroundings::new(geometry, Aabb::of(body.pose(&start).vertices));
+        let fitter = Fitter::new(body);
+        let fitted =
+            fitter.fit(&around, &start, person.family, &FitConfig::default(), ticker, &mut |_| ())?;
+        let report = inspect_body(geometry, body, &fitted.params);
+        let findings = Limits::default().findings(Site { body: id, frame: None }, &report.metrics);
+        let person = Person {
+            id: PersonId(id),
+            name: format!("Person {}", id + 1),
+            body: fitted.params,
+            family: person.family,
+            on: person.on.clone(),
+            seed: seed.value(),
+            palette: id,
+            visible: true,
+            locked: false,
+        };
+        Ok(Embodied { person, report, findings })
+    }
 }
 
 /// The room around one person as it is now.

@@ -305,6 +305,11 @@ impl Evolution {
         self.world.lock(id, locked);
     }
 
+    /// What the user decided.
+    pub fn config(&self) -> &EvolutionConfig {
+        &self.config
+    }
+
     /// Other decisions of the user from here on.
     #[must_use]
     pub fn with_config(&self, config: EvolutionConfig) -> Self {
@@ -340,6 +345,10 @@ fn why_off(node: &ActionNode, stage: &Stage, config: &EvolutionConfig) -> Option
         return Some(format!("there is no {} here", node.key.label()));
     }
     let is_table = !matches!(node.key, KeyObject::Bed | KeyObject::Couch);
+    // Photos have people who stand somewhere near a couch; that says nothing about where, nor where they look.
+    if node.posture == Posture::Stand && !is_table {
+        return Some(format!("a {} is nothing to stand at", node.key.label()));
+    }
     let on_chair_or_feet = match node.posture {
         Posture::Stand => true,
         Posture::Sit | Posture::SitStraight => is_table,

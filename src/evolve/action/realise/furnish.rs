@@ -15,7 +15,7 @@ pub fn room(stage: &Stage, world: &World, library: &Library) -> Room {
     let mut room = (*stage.room).clone();
     for found in &stage.movable {
         let Some(item) = world.item(found.id) else { continue };
-        let now_from_then = item.world_from_item() * Affine3A::from_translation(-found.at);
+        let now_from_then = item.world_from_found() * Affine3A::from_translation(-found.at);
         if let Some(object) = room.objects.iter_mut().find(|o| o.id == found.id) {
             object.world_from_object = now_from_then * object.world_from_object;
             object.locked = item.locked;

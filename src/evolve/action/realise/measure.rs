@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 use serde::Serialize;
 
 use super::evolution::Evolution;
+use super::placing::carries_m;
 use super::shape::UnderPoint;
 use super::world::{Held, Item, Lifted, Pose, Source, Things, World, flat};
 use crate::inspect::distance_to_hull;
@@ -16,15 +17,12 @@ use crate::scene::WalkableFloor;
 pub const PENETRATION_MM: f32 = 2.0;
 /// A thing whose nearest point is this near to what is below does not hang in the air.
 const HELD_WITHIN_M: f32 = 0.005;
-/// Points of the underside this far above what is below still carry: what counts as even when a thing is put down,
-/// and the half millimetre to two and a half that it is lifted to run into nothing.
-const CARRIES_M: f32 = 0.007;
-/// What beds and couches give.
-const HELD_SOFTLY_M: f32 = 0.025;
 /// Rays for what is below start so far above the underside.
 const FROM_ABOVE_M: f32 = 0.004;
 /// Weight this far outside of what carries it tips a thing.
 const TIPS_M: f32 = 0.008;
+/// What sticks out of the room by more than this is out of bounds.
+const OUTSIDE_M: f32 = 0.01;
 /// Squares of the plan whose filling tells how scattered things are.
 const SCATTER_M: f32 = 0.25;
 /// Floor things lower than this are stepped over.
@@ -59,6 +57,8 @@ pub struct RoomMeasures {
     pub unsupported_objects: Vec<String>,
     /// Things that are not inside the room.
     pub out_of_bounds: usize,
+    /// Which.
+    pub out_of_bounds_objects: Vec<String>,
     /// Things that can be moved.
     pub objects: usize,
     /// Of these, things that actions brought.
@@ -78,11 +78,11 @@ pub fn measure(evolution: &Evolution) -> RoomMeasures {
     let pairs: Vec<Interpenetration> = interpenetrations(world, &touched);
     let deep = |p: &&Interpenetration| p.depth_mm > PENETRATION_MM;
     let unsupported: Vec<String> = touched.iter().filter_map(|i| not_held(world, i)).collect();
-    let bounds = world.stage.geometry.bounds.grown(0.01);
-    let outside = |i: &&std::sync::Arc<Item>| {
-        let inside = bounds.contains(i.bounds.min) && bounds.contains(i.bounds.max);
-        !inside || world.stage.geometry.field.sample(i.bounds.center()) < -0.05
-    };
+    let outside: Vec<String> = touched
+        .iter()
+        .filter(|i| !world.is_in_the_room(&i.bounds, OUTSIDE_M))
+        .map(|i| i.name.clone())
+        .collect();
     let (walkable_share, reachable) = ways_left(evolution);
     RoomMeasures {
         interpenetrations: pairs.iter().filter(deep).count(),
@@ -90,7 +90,8 @@ pub fn measure(evolution: &Evolution) -> RoomMeasures {
         pairs: pairs.into_iter().filter(|p| p.depth_mm > PENETRATION_MM).collect(),
         unsupported: unsupported.len(),
         unsupported_objects: unsupported,
-        out_of_bounds: touched.iter().filter(outside).count(),
+        out_of_bounds: outside.len(),
+        out_of_bounds_objects: outside,
         objects: world.len(),
         brought: world.items().filter(|i| matches!(i.source, Source::Brought { .. })).count(),
         walkable_share,
@@ -176,7 +177,6 @@ fn not_held(world: &World, item: &Item) -> Option<String> {
         Held::Surface(number) => world.stage.surfaces.get(number).is_some_and(|s| s.soft),
         _ => false,
     };
-    let carries_m = if soft { HELD_SOFTLY_M } else { CARRIES_M };
     let place = item.world_from_item();
     let gap_m = |p: &UnderPoint| {
         let point = place.transform_point3(Vec3::new(p.at.x, item.shape.bounds.min.y + p.lift_m, p.at.y));
@@ -188,7 +188,7 @@ fn not_held(world: &World, item: &Item) -> Option<String> {
     if least_m > HELD_WITHIN_M {
         return Some(format!("{} hangs {:.0} mm in the air", item.name, least_m * 1e3));
     }
-    let carried: Vec<Vec2> = gaps.iter().filter(|g| g.1 < carries_m).map(|g| g.0).collect();
+    let carried: Vec<Vec2> = gaps.iter().filter(|g| g.1 < carries_m(soft)).map(|g| g.0).collect();
     let off_m = distance_to_hull(&carried, item.shape.middle);
     (off_m > TIPS_M)
         .then(|| format!("{} tips: its weight is {:.0} mm off what carries it", item.name, off_m * 1e3))

@@ -1,7 +1,7 @@
 //! One action, from the choice of a place to the last thing out of the way (ADSE §5.2 and §5.3).
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -11,12 +11,13 @@ use super::active::{self, Task};
 use super::away::Away;
 use super::evolution::{EvolutionConfig, GroupMode};
 use super::library::{KindId, Library};
+use super::placing::Rest;
 use super::shape::Shape;
 use super::spot::{Chair, PlacedPerson, SpotFinder};
 use super::stage::Stage;
 use super::step::{Candidates, Failed, MoveReason};
 use super::wanted::{self, Layout, Want, ZONE_FREQUENCY};
-use super::world::{Ball, Item, Lifted, Pose, Rest, World, flat};
+use super::world::{Ball, Item, Lifted, Pose, World, flat};
 use super::zone::Zone;
 use crate::evolve::action::{ActionNode, PersonFrame, is_shared, shared_potential};
 use crate::job::{Rng, Seed};
@@ -68,7 +69,8 @@ pub struct Performance<'a> {
 struct Done {
     want: Want,
     id: ObjectId,
-    before: Option<(Rest, bool)>,
+    /// The thing before, and whether it was lifted; `None` when it was brought.
+    before: Option<(Arc<Item>, bool)>,
 }
 
 impl<'a> Performance<'a> {
@@ -292,7 +294,7 @@ impl<'a> Performance<'a> {
         let (node, library) = (self.node, self.library.clone());
         let mut done: Vec<Done> = Vec::new();
         let mut revisions = 0;
-        let mut queue: std::collections::VecDeque<Want> = wants.into();
+        let mut queue: VecDeque<Want> = wants.into();
         while let Some(want) = queue.pop_front() {
             let mut layout = Layout::new(node, &library, self.people[person].frame);
             for other in &done {
@@ -357,7 +359,7 @@ impl<'a> Performance<'a> {
         }
         let again = self.to_use_again(want.kind, centre, rng);
         let (shape, thing) = match again.and_then(|id| self.world.item(id)) {
-            Some(item) => (item.shape.clone(), None),
+            Some(item) => (item.to_be_moved().shape, None),
             None if self.world.of_kind(want.kind).count() >= kind.most => return None,
             None => {
                 let thing = library.thing(want.kind, rng.random_range(0..library.looks(want.kind))).ok()?;
@@ -365,8 +367,7 @@ impl<'a> Performance<'a> {
             }
         };
         let rest = self.choose_place(want, &shape, again, person, value, rng)?;
-        let before =
-            again.and_then(|id| self.world.item(id)).map(|i| Rest { pose: i.pose, share: 1.0, held: i.held });
+        let before = again.and_then(|id| self.world.item(id)).cloned();
         let id = match (again, thing) {
             (Some(id), _) => {
                 self.uproot(id);
@@ -447,8 +448,8 @@ impl<'a> Performance<'a> {
         self.zoned.remove(&done.id);
         self.owners.remove(&done.id);
         match &done.before {
-            Some((rest, was_lifted)) => {
-                self.world.put(done.id, rest);
+            Some((item, was_lifted)) => {
+                self.world.restore(item.clone());
                 self.reasons.remove(&done.id);
                 if *was_lifted {
                     self.lifted.insert(done.id);
@@ -486,8 +487,8 @@ impl<'a> Performance<'a> {
     }
 
     fn put_away(&mut self, displaced: Vec<ObjectId>, balls: &[Ball], rng: &mut Rng) -> Result<(), String> {
-        let mut queue: std::collections::VecDeque<ObjectId> = displaced.into();
-        let mut done: Vec<(ObjectId, Rest)> = Vec::new();
+        let mut queue: VecDeque<ObjectId> = displaced.into();
+        let mut done: Vec<Arc<Item>> = Vec::new();
         let mut revisions = 0;
         while let Some(id) = queue.pop_front() {
             let Some(item) = self.world.item(id).cloned() else { continue };
@@ -498,19 +499,19 @@ impl<'a> Performance<'a> {
                 balls,
                 lifted: &self.lifted,
             };
-            let found = away.find(&item, rng);
+            let found = away.find(&item.to_be_moved(), rng);
             self.candidates.push(found.candidates);
             if let Some((rest, why)) = found.rest {
-                done.push((id, Rest { pose: item.pose, share: 1.0, held: item.held }));
                 self.world.put(id, &rest);
                 self.lifted.remove(&id);
                 self.reasons.insert(id, why);
+                done.push(item);
             } else if revisions < MOST_REVISIONS && !done.is_empty() {
                 revisions += 1;
-                if let Some((before, rest)) = done.pop() {
-                    self.world.put(before, &rest);
-                    self.lifted.insert(before);
-                    queue.push_front(before);
+                if let Some(before) = done.pop() {
+                    self.lifted.insert(before.id);
+                    queue.push_front(before.id);
+                    self.world.restore(before);
                 }
                 queue.push_front(id);
             } else {

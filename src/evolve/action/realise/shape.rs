@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{Vec2, Vec3};
 
+use super::solid::Solid;
 use crate::inspect::convex_hull;
 use crate::math::Aabb;
 use crate::scene::TriangleBvh;
@@ -45,6 +46,8 @@ pub struct Shape {
     pub reach_m: f32,
     /// Radius of the circle about `middle` that its plan holds, metres.
     pub core_m: f32,
+    /// What of it is surely filled.
+    pub solid: Option<Solid>,
 }
 
 impl Shape {
@@ -61,13 +64,14 @@ impl Shape {
         let count = under.len().max(1) as f32;
         let middle = under.iter().map(|p| p.at).sum::<Vec2>() / count;
         let core_m = inner_radius(&plan, middle);
+        let solid = Solid::of(&tree, &bounds, &plan, middle);
         under.extend(contacts.into_iter().map(|at| UnderPoint {
             at,
             lift_m: 0.0,
             contact: true,
             area: false,
         }));
-        Self { tree, bounds, under, plan, middle, reach_m, core_m }
+        Self { tree, bounds, under, plan, middle, reach_m, core_m, solid }
     }
 
     /// Size of the plan's box in square metres.

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Quat, Vec2, Vec3};
 
 use super::library::{Ground, KindId, Library};
 use super::shape::Shape;
 use crate::evolve::action::KeyObject;
 use crate::generate::{Place, all_places};
+use crate::inspect::distance_to_hull;
 use crate::job::{Cancelled, Seed, Ticker};
 use crate::math::Aabb;
 use crate::scene::{Category, GeometryConfig, Object, ObjectId, Room, RoomGeometry, SupportSurface};
@@ -33,6 +34,13 @@ const LEAST_TABLE_M2: f32 = 0.4;
 const LEAST_TOP_M2: f32 = 0.12;
 /// A surface with less room above is no place to work at.
 const WORK_CLEARANCE_M: f32 = 0.3;
+
+/// A thing whose weight is this far outside of what it touches the ground with leans against something.
+const LEANS_M: f32 = 0.01;
+/// Directions that are tried for laying something flat.
+const WAYS: usize = 1024;
+/// Golden angle, radians.
+const GOLDEN_RAD: f32 = 2.399_963;
 
 /// Somewhere things can stand: cells of a few centimetres at about one height.
 #[derive(Clone, Debug)]
@@ -62,6 +70,17 @@ pub struct Found {
     pub shape: Arc<Shape>,
     /// Where the middle of its underside is.
     pub at: Vec3,
+    /// How it lies anywhere else, when it leans against something here and would fall without it.
+    pub laid: Option<Arc<Laid>>,
+}
+
+/// A thing turned so that it is as low as can be: what leaned against something, lying.
+#[derive(Debug)]
+pub struct Laid {
+    /// Its geometry, about the middle of its underside.
+    pub shape: Arc<Shape>,
+    /// From the frame that it was found in.
+    pub laid_from_found: Affine3A,
 }
 
 /// The fixed part of a room.
@@ -200,7 +219,38 @@ fn found(object: &Object, kind: Option<KindId>) -> Found {
     let at = bounds.center().with_y(bounds.min.y);
     let own = Affine3A::from_translation(-at);
     let triangles = object.world_triangles().map(|t| t.map(|p| own.transform_point3(p))).collect();
-    Found { id: object.id, kind, shape: Arc::new(Shape::new(triangles)), at }
+    let shape = Shape::new(triangles);
+    let is_seat = matches!(object.category, Category::Chair | Category::Stool);
+    let laid = if is_seat { None } else { lying(&shape).map(Arc::new) };
+    Found { id: object.id, kind, shape: Arc::new(shape), at, laid }
+}
+
+/// A thing that would fall over on an even floor, laid down.
+fn lying(shape: &Shape) -> Option<Laid> {
+    let contacts: Vec<Vec2> = shape.under.iter().filter(|p| p.contact).map(|p| p.at).collect();
+    if distance_to_hull(&contacts, shape.middle) < LEANS_M {
+        return None;
+    }
+    let corners = || shape.tree.triangles().iter().flatten();
+    let height_m = |up: Vec3| {
+        let (low, high) =
+            corners().map(|p| p.dot(up)).fold((f32::MAX, f32::MIN), |(l, h), d| (l.min(d), h.max(d)));
+        high - low
+    };
+    // Points of a spiral over half the sphere (Fibonacci's): four degrees apart.
+    let way = |i: usize| {
+        let y = (i as f32 + 0.5) / WAYS as f32;
+        let (sin, cos) = (i as f32 * GOLDEN_RAD).sin_cos();
+        Vec3::new(cos, 0.0, sin) * (1.0 - y * y).sqrt() + Vec3::Y * y
+    };
+    let lowest =
+        (0..WAYS).map(|i| (height_m(way(i)), i)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let turn = Affine3A::from_quat(Quat::from_rotation_arc(way(lowest?.1), Vec3::Y));
+    let bounds = Aabb::of(corners().map(|p| turn.transform_point3(*p)));
+    let middle = bounds.center().with_y(bounds.min.y);
+    let laid_from_found = Affine3A::from_translation(-middle) * turn;
+    let laid = shape.tree.triangles().iter().map(|t| t.map(|p| laid_from_found.transform_point3(p)));
+    Some(Laid { shape: Arc::new(Shape::new(laid.collect())), laid_from_found })
 }
 
 /// What a surface is to those who put things down; `None` for what nothing is put on.
@@ -282,4 +332,22 @@ fn key_objects(room: &Room, surfaces: &[Surface]) -> BTreeMap<KeyObject, Vec<Obj
     };
     let serving = |key: KeyObject| key.categories().iter().map(|c| of(*c)).find(|found| !found.is_empty());
     KeyObject::ALL.into_iter().map(|key| (key, serving(key).unwrap_or_default())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shape::tests::block_triangles;
+    use super::*;
+
+    #[test]
+    fn what_leaned_against_something_lies_flat_once_it_is_moved() {
+        let cushion = block_triangles(Vec3::new(0.4, 0.1, 0.4));
+        let tilted = Affine3A::from_rotation_x(1.0);
+        let leaning: Vec<_> = cushion.iter().map(|t| t.map(|p| tilted.transform_point3(p))).collect();
+        let laid = lying(&Shape::new(leaning)).expect("it stands on an edge: it would fall");
+        let size = laid.shape.bounds.size();
+        assert!(size.y < 0.13, "{size}: about as high as the cushion is thick");
+        assert!(laid.shape.bounds.min.y.abs() < 1e-4, "about the middle of its underside");
+        assert!(lying(&Shape::new(cushion)).is_none(), "what lies stays as it is");
+    }
 }

@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use super::figure::Spot;
-use super::world::{Pose, Refused};
+use super::placing::Refused;
+use super::world::Pose;
 use super::zone::Zone;
 use crate::evolve::action::{ActionKind, PersonFrame};
 use crate::generate::Place;

@@ -247,6 +247,28 @@ fn suggestions_follow_the_graph_and_what_is_off_says_why() {
 }
 
 #[test]
+fn nobody_stands_at_a_couch_to_watch_television() {
+    use KeyRelation::Around;
+    let watch = node(ActionKind::WatchTv, KeyObject::Couch, (Around, Posture::Stand), &[]);
+    let model = Arc::new(ActionModel { nodes: vec![watch], ..(*model()).clone() });
+    let evolution = Evolution::new(stage("living"), model, EvolutionConfig::usual(), Seed::root(0));
+    assert!(evolution.suggestions().is_empty());
+    assert!(evolution.off()[0].why.contains("nothing to stand at"), "{}", evolution.off()[0].why);
+}
+
+#[test]
+fn things_go_far_when_all_is_taken_near_by() {
+    // A table full of plates: what is in the way there goes to another surface, not nowhere.
+    let evolution = run(start("living", 9), 40);
+    let refused = (0..40).filter(|roll| {
+        let node = evolution.draw_next_after(*roll).expect("something is on");
+        let why = evolution.apply(node, *roll).err().map(|e| e.why).unwrap_or_default();
+        why.contains("no room left")
+    });
+    assert!(refused.count() <= 4, "there is floor enough in the living room");
+}
+
+#[test]
 fn a_room_without_key_objects_says_that_nothing_can_be_done() {
     let mut room = sample("bedroom");
     room.objects.retain(|o| o.category.is_structure());

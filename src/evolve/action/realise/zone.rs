@@ -4,6 +4,7 @@
 use glam::Vec2;
 
 use super::shape::Shape;
+use super::solid::outlines_meet;
 use super::world::{Ball, Pose, flat};
 use crate::inspect::convex_hull;
 
@@ -52,16 +53,8 @@ impl Zone {
             return false;
         }
         let plan: Vec<Vec2> = shape.plan.iter().map(|p| pose.plan(*p)).collect();
-        plan.len() > 2 && !separated(&self.hull, &plan) && !separated(&plan, &self.hull)
+        outlines_meet(&self.hull, &plan)
     }
-}
-
-/// Whether an edge of the convex polygon `a` has all of `b` outside.
-fn separated(a: &[Vec2], b: &[Vec2]) -> bool {
-    (0..a.len()).any(|i| {
-        let (from, to) = (a[i], a[(i + 1) % a.len()]);
-        b.iter().all(|p| (to - from).perp_dot(*p - from) < 0.0)
-    })
 }
 
 #[cfg(test)]
