@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::actions;
+use super::day::LivingDay;
 use super::engine::{FitTask, Made, Opened, Photo, PopulateTask, SampleMethod, Source};
 use super::living::{Acting, Looking};
 use super::motion::{Making, Measuring as MeasuringClip};
@@ -116,6 +117,7 @@ pub struct Jobs {
     pub(super) exporting_motion: Option<(PathBuf, Job<usize>)>,
     pub(super) looking: Option<Looking>,
     pub(super) acting: Option<Acting>,
+    pub(super) day: Option<LivingDay>,
     pub(super) things: ThingJobs,
     wanted: Option<Wanted>,
     /// The room whose geometry failed; not tried again until the room changes.
@@ -210,6 +212,9 @@ impl Jobs {
         }
         if let Some(acting) = &self.acting {
             rows.push(row(JobKind::Act, &acting.job));
+        }
+        if let Some(living) = &self.day {
+            rows.push(row(JobKind::Act, &living.job));
         }
         if let Some(job) = &self.things.pictures {
             rows.push(row(JobKind::Things, job));
@@ -469,7 +474,10 @@ impl EditorState {
             }
             JobKind::ExportMotion => self.jobs.exporting_motion = None,
             JobKind::Act if self.jobs.acting.is_some() => return self.stop_acting(),
-            JobKind::Act => self.jobs.looking = None,
+            JobKind::Act => {
+                self.jobs.looking = None;
+                self.jobs.day = None;
+            }
             JobKind::Things => {
                 self.jobs.things.pictures = None;
                 if self.jobs.things.reading.take().is_some() {
@@ -518,6 +526,7 @@ impl EditorState {
         self.poll_clip_measure();
         self.poll_motion_export();
         self.poll_living();
+        self.poll_day();
         self.poll_things();
         self.poll_study();
         if self.study.is_some() {
@@ -570,6 +579,7 @@ impl EditorState {
         self.jobs.making = None;
         self.jobs.looking = None;
         self.jobs.acting = None;
+        self.jobs.day = None;
         self.jobs.measuring_clip = None;
         self.motion.forget();
         self.living.forget();

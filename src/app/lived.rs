@@ -20,8 +20,10 @@ use crate::evolve::action::StepPerson;
 use crate::evolve::action::Suggestion;
 use crate::evolve::action::Verdict;
 use crate::evolve::action::embody;
+use crate::evolve::day::{DayRequest, day};
 use crate::inspect::BodyReport;
-use crate::job::{Cancelled, Seed, Stop, Ticker};
+use crate::job::{Cancelled, JobCtx, Seed, Stop, Ticker};
+use crate::scene::Clip;
 use crate::scene::ObjectId;
 use crate::scene::Person;
 use crate::scene::PersonId;
@@ -103,6 +105,18 @@ pub struct ActionStep {
     pub zone: (Vec<Vec2>, f32),
 }
 
+/// A day in a room: one person's motion, and how the room changes on the way.
+pub struct LivedDay {
+    /// The motion; its numbers mean nothing.
+    pub clip: Clip,
+    /// The room after each action.
+    pub states: Vec<Arc<dyn LivedRoom>>,
+    /// When each begins to show, seconds.
+    pub changes_s: Vec<f32>,
+    /// Actions that could not be done or walked to, and why.
+    pub refused: Vec<String>,
+}
+
 /// A room after some actions, as a value.
 pub trait LivedRoom: Send + Sync {
     /// What can be done next, the most probable first.
@@ -131,6 +145,11 @@ pub trait LivedRoom: Send + Sync {
     /// # Errors
     /// Cancelled.
     fn fitted_people(&self, first_id: u32, ticker: &Ticker) -> Result<Vec<(Person, BodyReport)>, Cancelled>;
+    /// Somebody goes from action to action, so many of them, from this room on.
+    ///
+    /// # Errors
+    /// Why nothing can be done or walked to; or cancelled.
+    fn day(&self, actions: usize, cx: &JobCtx) -> Result<LivedDay, Stop>;
 }
 
 /// The room as it really is.
@@ -228,6 +247,18 @@ impl LivedRoom for Real {
     fn fitted_people(&self, first_id: u32, ticker: &Ticker) -> Result<Vec<(Person, BodyReport)>, Cancelled> {
         let embodied = embody(&self.0, first_id, ticker)?;
         Ok(embodied.into_iter().map(|one| (one.person, one.report)).collect())
+    }
+
+    fn day(&self, actions: usize, cx: &JobCtx) -> Result<LivedDay, Stop> {
+        let request = DayRequest { actions, ..DayRequest::default() };
+        let made = day(&self.0, &request, &JobCtx::watched(cx.seed, cx.ticker().clone()))?;
+        let state = |state| Arc::new(Self(state)) as Arc<dyn LivedRoom>;
+        Ok(LivedDay {
+            clip: made.clip,
+            states: made.states.into_iter().skip(1).map(state).collect(),
+            changes_s: made.moments.iter().map(|moment| moment.changes_s).collect(),
+            refused: made.refused,
+        })
     }
 }
 

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::actions;
+use super::day::ShownDay;
 use super::lived::{ActionChoice, ActionStep, LivedRoom};
 use super::state::EditorState;
 use crate::document::Command;
@@ -59,6 +60,8 @@ pub struct Living {
     pub replay: Option<Replay>,
     /// Another state that is shown beside the present one.
     pub beside: Option<usize>,
+    /// The day that was made last.
+    pub day: Option<ShownDay>,
 }
 
 /// States that are shown one after the other; only a way of looking.
@@ -96,6 +99,15 @@ pub struct Done {
     reports: Vec<BodyReport>,
 }
 
+impl LifeNode {
+    /// A state on the way of a day: whoever lives it is in the day's motion.
+    pub(super) fn of_day(parent: usize, lived: Arc<dyn LivedRoom>) -> Self {
+        let (room, step) = (Arc::new(lived.room()), lived.last_step());
+        let (people, versions, ids) = (Vec::new(), Vec::new(), Vec::new());
+        Self { parent: Some(parent), step, roll: 0, lived, room, people, versions, ids }
+    }
+}
+
 impl Living {
     /// With what a fresh window has.
     pub fn new() -> Self {
@@ -108,6 +120,7 @@ impl Living {
         self.pointed_out.clear();
         self.replay = None;
         self.beside = None;
+        self.day = None;
     }
 }
 
@@ -120,7 +133,7 @@ impl EditorState {
 
     /// Whether actions are being done or looked for.
     pub fn is_living(&self) -> bool {
-        self.jobs.looking.is_some() || self.jobs.acting.is_some()
+        self.jobs.looking.is_some() || self.jobs.acting.is_some() || self.jobs.day.is_some()
     }
 
     /// Shows how the room came to be as it is, action by action; again to stop.
@@ -148,9 +161,10 @@ impl EditorState {
         self.living.replay.is_some()
     }
 
-    /// The state that a replay shows now.
+    /// The state that a replay or a day shows now.
     pub fn replayed(&self) -> Option<usize> {
-        self.living.replay.as_ref()?.node().filter(|number| *number < self.living.tree.len())
+        let replayed = self.living.replay.as_ref().and_then(Replay::node).or_else(|| self.day_node());
+        replayed.filter(|number| *number < self.living.tree.len())
     }
 
     /// Shows a state beside the present one, or no longer.
@@ -226,7 +240,7 @@ impl EditorState {
 
     /// Does actions one after the other, from the state that is shown or from another, by a job.
     fn act(&mut self, name: &str, actions: Vec<Option<usize>>, from: Option<(usize, u64)>) {
-        if self.jobs.acting.is_some() {
+        if self.is_living() {
             return self.notices.warning("An action is being done already: wait or cancel.");
         }
         let Some(now) = self.life_now() else {

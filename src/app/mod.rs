@@ -9,6 +9,7 @@ mod actors;
 mod autosave;
 mod canvas;
 mod commands;
+mod day;
 mod dialog;
 mod engine;
 mod frames;

@@ -18,7 +18,7 @@ use super::engine::{
     MovePreview, MoveTask, Moved, NetworkCard, Opened, Photo, PhotoTask, PopulateTask, RoomRequest,
     SampleMethod, SampleTask, SampleView, Sampled, Source, ThingKind, ThingPicture,
 };
-use super::lived::{ActionChoice, ActionStep, LivedRoom, Mark, Touched};
+use super::lived::{ActionChoice, ActionStep, LivedDay, LivedRoom, Mark, Touched};
 use super::motion::{GoalFigures, Placing, Trail};
 use super::samples::Fate;
 use super::selection::Item;
@@ -140,6 +140,19 @@ impl LivedRoom for FakeLife {
 
     fn people(&self, first_id: u32) -> Vec<Person> {
         vec![somebody(first_id)]
+    }
+
+    fn day(&self, actions: usize, _: &JobCtx) -> Result<LivedDay, Stop> {
+        let mut states: Vec<Arc<dyn LivedRoom>> = Vec::new();
+        for action in 0..actions {
+            let last: &dyn LivedRoom = states.last().map_or(self, |state| state.as_ref());
+            states.push(last.apply(action % 2, 0)?);
+        }
+        let frames = vec![Frame::default(); 30 * actions + 1];
+        let planted = vec![[true, true]; frames.len()];
+        let clip = Clip { frames, planted, ..Clip::default() };
+        let changes_s = (0..actions).map(|action| action as f32 + 0.5).collect();
+        Ok(LivedDay { clip, states, changes_s, refused: Vec::new() })
     }
 
     fn fitted_people(&self, first: u32, ticker: &Ticker) -> Result<Vec<(Person, BodyReport)>, Cancelled> {
@@ -1599,4 +1612,24 @@ fn captured_pieces_are_looked_up_in_the_folder_that_is_named() {
     let tasks = user.engine.moves.lock().unwrap();
     let task = tasks.last().unwrap();
     assert_eq!((task.method, task.clips.clone()), (MotionMethod::Retrieval, Some(PathBuf::from("clips"))));
+}
+
+#[test]
+fn a_day_is_one_motion_one_step_and_the_room_changes_as_it_plays() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.state().living.count = 2;
+    user.state().start_day();
+    user.waits(|state| !state.is_living());
+    assert_eq!(user.history(), ["A day in this room"]);
+    assert_eq!(user.objects(), ["Oak floor", "Red sofa", "book", "book"]);
+    let objects = |user: &mut User, seconds: f32| {
+        let length_s = user.state().play_seconds();
+        user.state().motion.player.seek(seconds, length_s);
+        let now = user.state().replayed().or(user.state().life_now()).unwrap();
+        user.state().life_scene(now).map(|(room, _)| room.objects.len()).unwrap()
+    };
+    assert_eq!([0.0, 1.0, 1.9].map(|seconds| objects(&mut user, seconds)), [2, 3, 4]);
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!((user.objects().len(), user.state().document.scene().clips.len()), (2, 0));
 }

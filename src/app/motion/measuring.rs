@@ -70,8 +70,10 @@ impl EditorState {
         }
         let Some(geometry) = self.geometry().cloned() else { return };
         let clips = &self.document.scene().clips;
-        let Some(clip) =
-            clips.iter().find(|c| !c.frames.is_empty() && self.clip_report(c).is_none()).cloned()
+        let Some(clip) = clips
+            .iter()
+            .find(|c| !c.frames.is_empty() && !self.is_day(c) && self.clip_report(c).is_none())
+            .cloned()
         else {
             return;
         };

@@ -87,7 +87,19 @@ fn head(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
             state.re_roll_action();
         }
     });
+    day(ui, state);
     choices(ui, state);
+}
+
+/// The same chain, lived by somebody who walks from one to the next.
+fn day(ui: &mut Ui, state: &mut EditorState) {
+    let text = format!("A day in this room ({} actions)", state.living.count);
+    let tip = "Somebody walks from action to action; things come and move when they get there. One motion on the \
+               timeline, one undo step; takes a minute or more";
+    let button = Button::new(text).min_size(vec2(ui.available_width(), 24.0));
+    if ui.add(button).on_hover_text(tip).clicked() {
+        state.start_day();
+    }
 }
 
 fn choices(ui: &mut Ui, state: &mut EditorState) {

@@ -1,0 +1,122 @@
+//! A day in the room: somebody goes from action to action on one timeline, and the room is shown as it is by then. One
+//! undo step; the states on the way are states of the tree of futures.
+
+use std::sync::Arc;
+
+use super::lived::LivedDay;
+use super::living::LifeNode;
+use super::state::EditorState;
+use crate::document::Command;
+use crate::document::RoomVersion;
+use crate::job::{Job, JobCtx, Seed};
+use crate::scene::Clip;
+use crate::scene::ClipId;
+use crate::scene::ObjectId;
+
+/// A day that was made: which state of the tree holds from when on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShownDay {
+    /// The person's motion.
+    pub clip: ClipId,
+    /// The state before anything was done.
+    first: usize,
+    /// Seconds, and the state from then on.
+    changes: Vec<(f32, usize)>,
+}
+
+impl ShownDay {
+    /// The state at a time.
+    fn node_at(&self, seconds: f32) -> usize {
+        let begun = self.changes.iter().take_while(|(from_s, _)| *from_s <= seconds);
+        begun.last().map_or(self.first, |(_, node)| *node)
+    }
+}
+
+/// A day that is being made.
+pub(super) struct LivingDay {
+    pub job: Job<LivedDay>,
+    from: usize,
+    version: RoomVersion,
+}
+
+impl EditorState {
+    /// Starts to make a day of as many actions as *Sample* would do.
+    pub fn start_day(&mut self) {
+        if self.is_living() {
+            return self.notices.warning("An action is being done already: wait or cancel.");
+        }
+        let Some(from) = self.life_now() else {
+            return self.notices.warning("The room was changed by hand: look for actions again first.");
+        };
+        let objects = self.document.scene().room.objects.iter();
+        let locked: Vec<ObjectId> = objects.filter(|o| o.locked).map(|o| o.id).collect();
+        let start = self.living.tree[from].lived.decided(&self.living.choice, &locked);
+        let actions = self.living.count.max(1);
+        let work = move |cx: &JobCtx| start.day(actions, cx);
+        let job = Job::spawn("A day in this room", Seed::root(self.living.seed), self.waker(), work);
+        self.jobs.day = Some(LivingDay { job, from, version: self.document.room_version() });
+    }
+
+    pub(super) fn poll_day(&mut self) {
+        let Some(living) = &mut self.jobs.day else { return };
+        let Some(outcome) = living.job.poll() else { return };
+        let Some(LivingDay { job, from, version }) = self.jobs.day.take() else { return };
+        let Some(day) = self.taken(job.name(), outcome) else { return };
+        if version != self.document.room_version() {
+            return self.notices.warning("The room was changed while this was done, so it no longer fits.");
+        }
+        let wanted = self.living.count.max(1);
+        if let Some(why) = day.refused.last().filter(|_| day.states.len() < wanted) {
+            self.notices.warning(format!("{} of {wanted} actions: {why}", day.states.len()));
+        }
+        self.take_in_day(day, from);
+    }
+
+    /// The states join the tree, the room becomes the last one and the motion is added: one step.
+    fn take_in_day(&mut self, day: LivedDay, from: usize) {
+        let mut parent = from;
+        let mut changes = Vec::new();
+        for (lived, from_s) in day.states.into_iter().zip(day.changes_s) {
+            self.living.tree.push(LifeNode::of_day(parent, lived));
+            parent = self.living.tree.len() - 1;
+            changes.push((from_s, parent));
+        }
+        let clip = ClipId(self.document.next_clip());
+        self.document.begin("A day in this room");
+        self.show_life(parent);
+        let name = format!("Day {}", clip.0 + 1);
+        let clips = vec![Clip { id: clip, name, palette: clip.0, locked: true, ..day.clip }];
+        self.apply(Command::AddClips { clips, made_for: None });
+        self.document.commit();
+        self.living.day = Some(ShownDay { clip, first: from, changes });
+        self.activate_clip(clip);
+        self.motion.player.seconds = 0.0;
+        self.motion.player.playing = true;
+        self.requests.show_timeline = true;
+    }
+
+    /// The state of the tree that a day shows at the time that is played, while the document holds that day.
+    pub(super) fn day_node(&self) -> Option<usize> {
+        let day = self.living.day.as_ref()?;
+        let clip = self.document.scene().clip(day.clip).filter(|clip| clip.visible)?;
+        let (_, last) = *day.changes.last()?;
+        let node = day.node_at(self.motion.player.seconds.min(clip.seconds()));
+        (self.life_now() == Some(last) && node != last).then_some(node)
+    }
+
+    /// Whether a motion is a day: its room changes under it, so that it can't be measured against one room.
+    pub(super) fn is_day(&self, clip: &Arc<Clip>) -> bool {
+        self.living.day.as_ref().is_some_and(|day| day.clip == clip.id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_room_of_a_day_is_that_of_the_last_change() {
+        let day = ShownDay { clip: ClipId(0), first: 4, changes: vec![(2.0, 5), (7.5, 6)] };
+        assert_eq!([0.0, 1.9, 2.0, 7.4, 7.5, 90.0].map(|s| day.node_at(s)), [4, 4, 5, 5, 6, 6]);
+    }
+}
