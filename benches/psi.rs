@@ -3,6 +3,7 @@
 //! when fitted; the first preview within 300 ms).
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use divan::{Bencher, black_box};
@@ -33,7 +34,7 @@ fn sampled_and_fitted() {
     let model = read_model_bytes("living", sample.glb, &Budget::default()).expect("bundled rooms are sound");
     let room = room_from_model(&model, &ImportOptions::default()).room;
     let geometry = RoomGeometry::build(&room, &GeometryConfig::default(), &|_, _| ControlFlow::Continue(()));
-    let geometry = geometry.expect("not stopped");
+    let (room, geometry) = (Arc::new(room), Arc::new(geometry.expect("not stopped")));
     let sensor = Sensor::new(&room, &geometry);
     let view = agent_views(&sensor, 1, &AgentConfig::default(), Seed::root(1))[0];
     for network in PsiMethod::ALL {
