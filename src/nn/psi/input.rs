@@ -92,8 +92,9 @@ pub struct SceneTensors {
     pub(super) pixels: Pixels,
     /// Classes in the order of the pixels, `[batch, 128 * 128]`.
     pub(super) labels: Option<Tensor<2, Int>>,
-    /// `[batch, view numbers]`: largest depth over its clip and focal length of π, then the floor's plane, as configured.
-    pub(super) camera: Tensor<2>,
+    /// `[batch, view numbers]`: largest depth over its clip and focal length of π, then the floor's plane, as configured;
+    /// `None` for networks that are given the picture alone.
+    pub(super) camera: Option<Tensor<2>>,
     /// Pictures.
     pub(super) batch: usize,
 }
@@ -139,7 +140,7 @@ impl SceneTensors {
         Self {
             pixels,
             labels: embedded.then(|| Tensor::from_data(label_data(), device)),
-            camera: camera(config, scenes, device),
+            camera: (config.view_numbers() > 0).then(|| camera(config, scenes, device)),
             batch,
         }
     }

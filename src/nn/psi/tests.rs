@@ -68,6 +68,18 @@ fn weights_survive_a_round_trip_and_another_network_is_refused() {
 }
 
 #[test]
+fn a_network_that_is_given_the_picture_alone_samples_too() {
+    let published = PsiConfig::published(PsiMethod::S1);
+    let mini = PsiConfig::mini(PsiMethod::S1);
+    let config =
+        PsiConfig { camera_scale: false, floor_plane: false, semantics: published.semantics, ..mini };
+    let (network, params) = PsiNetwork::declare(&config, 3);
+    let sampler = PsiSampler::new(network, &params);
+    let made = sampler.decode(&scene(0), &vec![0.1; 2 * config.noise()]);
+    assert!(made.len() == 2 && made.iter().flatten().all(|x| x.is_finite()));
+}
+
+#[test]
 fn the_framework_s_gradients_agree_with_finite_differences() {
     for method in PsiMethod::ALL {
         let (network, params) = PsiNetwork::declare(&PsiConfig::mini(method), 9);

@@ -25,7 +25,6 @@ pub(super) struct SceneEncoder {
     blocks: Vec<BasicBlock>,
     head: Conv,
     flat: usize,
-    view_numbers: usize,
     lift: Linear,
 }
 
@@ -87,7 +86,6 @@ impl SceneEncoder {
             blocks,
             head: Conv::declare_with_bias(d, &format!("{name}.head"), shape),
             flat,
-            view_numbers: config.view_numbers(),
             lift: Linear::declare(d, &format!("{name}.lift"), inputs, config.lift),
         }
     }
@@ -98,9 +96,9 @@ impl SceneEncoder {
         let x = if self.pool { max_pool(x) } else { x };
         let x = self.blocks.iter().fold(x, |x, block| block.forward(g, x));
         let flat = self.head.forward(g, x).reshape([scenes.batch, self.flat]);
-        let flat = match self.view_numbers {
-            0 => flat,
-            _ => Tensor::cat(vec![flat, scenes.camera.clone()], 1),
+        let flat = match scenes.camera.clone() {
+            Some(camera) => Tensor::cat(vec![flat, camera], 1),
+            None => flat,
         };
         self.lift.forward(g, flat)
     }
