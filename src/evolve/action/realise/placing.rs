@@ -274,9 +274,14 @@ impl World {
         avoid: &Avoid<'_>,
     ) -> Result<Rest, Refused> {
         // Most places in a crowd are taken by another thing: that is known soonest.
-        match self.is_plainly_taken(shape, at, yaw_rad, on, avoid) {
+        let nominal = above(at, yaw_rad, on);
+        if !self.is_in_the_room(&placed_bounds(shape, &nominal), 0.0) {
+            return Err(Refused::Collides);
+        }
+        let near = self.others_near(shape, &nominal, on, avoid);
+        match overlaps_what_is_filled(&near, shape, &nominal) {
             true => Err(Refused::Collides),
-            false => self.place_closely(shape, at, yaw_rad, on, avoid),
+            false => self.place_among(&near, shape, &nominal, on, avoid),
         }
     }
 
@@ -293,12 +298,22 @@ impl World {
         avoid: &Avoid<'_>,
     ) -> Result<Rest, Refused> {
         let nominal = above(at, yaw_rad, on);
-        let taken = Self::touches(shape, &nominal, avoid.balls)
-            || runs_into(&self.others_near(shape, &nominal, on, avoid), shape, &nominal);
-        if taken {
+        self.place_among(&self.others_near(shape, &nominal, on, avoid), shape, &nominal, on, avoid)
+    }
+
+    /// Sets a thing down from a little above where it would stand, among the things near it.
+    fn place_among(
+        &self,
+        near: &[&Arc<Item>],
+        shape: &Shape,
+        nominal: &Pose,
+        on: Onto,
+        avoid: &Avoid<'_>,
+    ) -> Result<Rest, Refused> {
+        if Self::touches(shape, nominal, avoid.balls) || runs_into(near, shape, nominal) {
             return Err(Refused::Collides);
         }
-        let rest = self.set_down(shape, at, yaw_rad, on)?;
+        let rest = self.set_down(shape, flat(nominal.at), nominal.yaw_rad, on)?;
         for lift_m in LIFTS_M {
             let pose = Pose { at: rest.pose.at + Vec3::Y * lift_m, ..rest.pose };
             if !self.collides(shape, &pose, avoid.lifted) {
