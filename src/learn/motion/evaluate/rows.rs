@@ -57,8 +57,6 @@ pub struct MotionStudyRow {
     pub metrics: MotionMetrics,
     /// The deepest penetration of any case, millimetres.
     pub penetration_worst_mm: f32,
-    /// Seconds of computing for each motion.
-    pub computed_s: f32,
 }
 
 /// What was measured of one case.
@@ -67,7 +65,6 @@ pub(super) struct Measured {
     pub errors: MotionErrors,
     pub neighbour_v2v_cm: f32,
     pub metrics: MotionMetrics,
-    pub computed_s: f32,
 }
 
 impl MotionStudyRow {
@@ -118,7 +115,6 @@ impl MotionStudyRow {
                 jitter_m_per_s3: mean(&|c| c.metrics.jitter_m_per_s3),
             },
             penetration_worst_mm: cases.iter().map(|c| c.metrics.penetration_max_mm).fold(0.0, f32::max),
-            computed_s: mean(&|c| c.computed_s),
         }
     }
 }

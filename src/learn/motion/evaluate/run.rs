@@ -1,9 +1,12 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::time::Instant;
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 use super::makers::{Bench, Maker, MotionNets};
 use super::rows::{Measured, MotionRowKind, MotionStudyRow, Optimised};
+use crate::body::joints::PELVIS;
 use crate::body::{Body, Workspace};
 use crate::fit::sequence::{SequenceConfig, SequenceFitter, SequencePreset, SequenceTask};
 use crate::inspect::{MotionErrors, inspect_motion, mean_distance_mm};
@@ -17,7 +20,7 @@ use crate::motion::planted::planted_feet;
 use crate::motion::retrieval::MotionMemory;
 use crate::scene::{
     BETAS, CLIP_FPS, Clip, Frame, GeometryConfig, GoalPose, Leg, ObjectId, PoseFamily, Resolution,
-    RoomGeometry, SubGoal, SubGoalId, bake_cached,
+    RoomGeometry, SubGoal, SubGoalId, bake_cached, facing_of,
 };
 
 /// How much is measured.
@@ -167,14 +170,15 @@ impl Study<'_> {
             return Ok(None);
         }
         self.ticker.stage(maker.label().0, cases.len())?;
-        let mut measured = Vec::new();
-        for (number, (window, legs)) in cases.iter().enumerate() {
+        let one = |(number, (window, legs)): (usize, &(Window, usize))| {
             let seed = self.seed.child("case", number as u64);
-            if let Some(one) = self.case(maker, optimised, *window, *legs, seed)? {
-                measured.push(one);
-            }
+            let measured = self.case(maker, optimised, *window, *legs, seed)?;
             self.ticker.advance()?;
-        }
+            Ok(measured)
+        };
+        let measured: Vec<Option<Measured>> =
+            cases.par_iter().enumerate().map(one).collect::<Result<_, Stop>>()?;
+        let measured: Vec<Measured> = measured.into_iter().flatten().collect();
         let seconds = 2 * cases[0].1 as u32;
         let row = || MotionStudyRow::mean(kind, maker.label(), optimised, seconds, &measured);
         Ok((!measured.is_empty()).then(row))
@@ -189,7 +193,6 @@ impl Study<'_> {
         seed: Seed,
     ) -> Result<Option<Measured>, Stop> {
         let take = &self.bench.data.takes[window.take];
-        let began = Instant::now();
         let mut frames: Vec<Frame> = Vec::new();
         for leg in 0..legs {
             let first = window.first + leg * (WINDOW - 1);
@@ -201,9 +204,8 @@ impl Study<'_> {
         let geometry = &self.rooms[&window.take];
         let planted = planted_feet(self.bench.body, &[0.0; BETAS], &frames, 0.0);
         self.optimise(optimised, geometry, &planted, &mut frames)?;
-        let computed_s = began.elapsed().as_secs_f32();
         let truth = &take.frames[window.first..window.first + frames.len()];
-        let clip = clip_of(frames, planted, truth);
+        let clip = clip_of(self.bench.body, frames, planted, truth);
         let ticker = self.ticker;
         let step = |_: usize, _: usize| match ticker.check() {
             Ok(()) => ControlFlow::Continue(()),
@@ -215,7 +217,6 @@ impl Study<'_> {
             errors: MotionErrors::of(self.bench.body, &clip.betas, &clip.frames, truth),
             neighbour_v2v_cm: self.neighbours_cm(&clip.frames, truth),
             metrics: report.metrics,
-            computed_s,
         }))
     }
 
@@ -260,16 +261,21 @@ impl Study<'_> {
     }
 }
 
-/// The motion with the captured bodies as its sub-goals, one every two seconds.
-fn clip_of(frames: Vec<Frame>, planted: Vec<[bool; 2]>, truth: &[Frame]) -> Clip {
+/// The motion with the captured bodies as its sub-goals, one every two seconds: whoever is upright there has a facing.
+fn clip_of(body: &Body, frames: Vec<Frame>, planted: Vec<[bool; 2]>, truth: &[Frame]) -> Clip {
     let bounds: Vec<usize> = (0..frames.len()).step_by(WINDOW - 1).collect();
+    let facing = |frame: &Frame| {
+        let front = frame.rotation * Vec3::Z;
+        let upright = (frame.rotation * Vec3::Y).y > std::f32::consts::FRAC_1_SQRT_2;
+        upright.then(|| facing_of(Vec2::new(front.x, front.z)))
+    };
     let goal = |(id, at): (usize, &usize)| SubGoal {
         id: SubGoalId(id as u32),
-        at: truth[*at].translation.with_y(0.0),
-        facing: None,
-        pose: GoalPose::Walk,
+        at: (truth[*at].translation + body.model.joint_template[PELVIS]).with_y(0.0),
+        facing: facing(&truth[*at]),
+        pose: GoalPose::Any,
         stay_s: 0.0,
-        planned: true,
+        planned: false,
         locked: false,
         body: Some(truth[*at].clone()),
     };

@@ -1,11 +1,12 @@
-use super::rows::{MotionRowKind, MotionStudyRow, Optimised};
+use super::rows::{MotionRowKind, MotionStudyRow};
 
 /// Every number of every row, comma-separated.
 pub fn motion_csv(rows: &[MotionStudyRow]) -> String {
     let head = "table,method,scene,optimised,seconds,cases,t_l1_x100,r_l1_x100,pose_l1_x100,mpjpe_mm,mpvpe_mm,\
                 neighbour_v2v_cm,non_collision_pct,contact_pct,psi_contact_pct,penetration_mean_mm,\
                 penetration_max_mm,penetration_worst_mm,collision_frame_share,skate_cm_per_s,skate_frame_share,\
-                stance_drift_cm,hover_max_mm,boundary_speed_ratio,jitter_m_per_s3,computed_s\n";
+                stance_drift_cm,hover_max_mm,boundary_speed_ratio,jitter_m_per_s3,goal_error_cm,\
+                goal_error_deg\n";
     let row = |r: &MotionStudyRow| {
         let (e, m) = (&r.errors, &r.metrics);
         let numbers = [
@@ -28,7 +29,8 @@ pub fn motion_csv(rows: &[MotionStudyRow]) -> String {
             m.hover_max_mm,
             m.boundary_speed_ratio.unwrap_or(f32::NAN),
             m.jitter_m_per_s3,
-            r.computed_s,
+            m.goal_error_cm.unwrap_or(f32::NAN),
+            m.goal_error_deg.unwrap_or(f32::NAN),
         ];
         let about = format!(
             "{:?},{},{},{},{},{}",
@@ -46,19 +48,28 @@ pub fn motion_csv(rows: &[MotionStudyRow]) -> String {
 
 /// The tables as Markdown, in the order and by the names of the paper's.
 pub fn motion_markdown(rows: &[MotionStudyRow]) -> String {
-    let short = |optimised: &dyn Fn(Optimised) -> bool| -> Vec<&MotionStudyRow> {
-        rows.iter().filter(|r| r.kind == MotionRowKind::Short && optimised(r.optimised)).collect()
-    };
-    let all = short(&|_| true);
-    let mut text = String::from("## Reconstruction (LTM Table 1)\n\n");
-    text += "| method | scene | optimised | windows | t ×100 | R ×100 | pose ×100 | MPJPE mm | MPVPE mm |\n";
-    text += "|---|---|---|---|---|---|---|---|---|\n";
-    for r in &all {
+    let of = |kind| rows.iter().filter(|r| r.kind == kind).collect::<Vec<_>>();
+    let (short, long) = (of(MotionRowKind::Short), of(MotionRowKind::Long));
+    [reconstruction(&short), in_the_room(&short), long_motions(&long)].join("\n")
+}
+
+/// How a row says whether its maker sees the room.
+fn tick(row: &MotionStudyRow) -> &'static str {
+    if row.scene { "✓" } else { "×" }
+}
+
+fn reconstruction(rows: &[&MotionStudyRow]) -> String {
+    let mut text = String::from(
+        "## Reconstruction (LTM Table 1)\n\n\
+         | method | scene | optimised | windows | t ×100 | R ×100 | pose ×100 | MPJPE mm | MPVPE mm |\n\
+         |---|---|---|---|---|---|---|---|---|\n",
+    );
+    for r in rows {
         let e = &r.errors;
         text += &format!(
             "| {} | {} | {} | {} | {:.2} | {:.2} | {:.2} | {:.1} | {:.1} |\n",
             r.method,
-            if r.scene { "✓" } else { "×" },
+            tick(r),
             r.optimised.label(),
             r.cases,
             e.translation_l1_x100,
@@ -68,16 +79,21 @@ pub fn motion_markdown(rows: &[MotionStudyRow]) -> String {
             e.mpvpe_mm
         );
     }
-    text += "\n## In the room (LTM Table 2) and neighbour v2v (Table 4)\n\n";
-    text +=
-        "| method | optimised | windows | non-collision % | contact % | PSI contact % | neighbour v2v cm |\n";
-    text += "|---|---|---|---|---|---|---|\n";
-    for r in &all {
+    text
+}
+
+fn in_the_room(rows: &[&MotionStudyRow]) -> String {
+    let mut text = String::from(
+        "## In the room (LTM Table 2) and neighbour v2v (Table 4)\n\n\
+         | method | optimised | windows | non-collision % | contact % | PSI contact % | neighbour v2v cm |\n\
+         |---|---|---|---|---|---|---|\n",
+    );
+    for r in rows {
         let m = &r.metrics;
         text += &format!(
             "| {} {} | {} | {} | {:.2} | {:.2} | {:.2} | {:.2} |\n",
             r.method,
-            if r.scene { "✓" } else { "×" },
+            tick(r),
             r.optimised.label(),
             r.cases,
             m.non_collision_pct,
@@ -86,27 +102,37 @@ pub fn motion_markdown(rows: &[MotionStudyRow]) -> String {
             r.neighbour_v2v_cm
         );
     }
-    text += "\n## Feet, depth and joins\n\n";
-    text += "| s | method | optimised | motions | skate cm/s | drift cm | penetration mean / max / worst mm | \
-             boundary speed | jitter m/s³ | neighbour v2v cm | computed s |\n";
-    text += "|---|---|---|---|---|---|---|---|---|---|---|\n";
-    for r in rows.iter().filter(|r| r.kind == MotionRowKind::Long) {
+    text
+}
+
+fn long_motions(rows: &[&MotionStudyRow]) -> String {
+    let some = |x: Option<f32>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+    let mut text = String::from(
+        "## Feet, depth, joins and goals\n\n\
+         | s | method | optimised | motions | non-collision % | contact % | skate cm/s | drift cm | \
+         penetration mean / max / worst mm | boundary speed | jitter m/s³ | neighbour v2v cm | goal error cm, ° |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for r in rows {
         let m = &r.metrics;
         text += &format!(
-            "| {} | {} | {} | {} | {:.2} | {:.2} | {:.1} / {:.1} / {:.1} | {} | {:.0} | {:.2} | {:.1} |\n",
+            "| {} | {} | {} | {} | {:.2} | {:.2} | {:.2} | {:.2} | {:.1} / {:.1} / {:.1} | {} | {:.0} | {:.2} | {}, {} |\n",
             r.seconds,
             r.method,
             r.optimised.label(),
             r.cases,
+            m.non_collision_pct,
+            m.contact_pct,
             m.skate_cm_per_s,
             m.stance_drift_cm,
             m.penetration_mean_mm,
             m.penetration_max_mm,
             r.penetration_worst_mm,
-            m.boundary_speed_ratio.map_or("-".to_owned(), |x| format!("{x:.2}")),
+            some(m.boundary_speed_ratio, 2),
             m.jitter_m_per_s3,
             r.neighbour_v2v_cm,
-            r.computed_s
+            some(m.goal_error_cm, 1),
+            some(m.goal_error_deg, 1)
         );
     }
     text
