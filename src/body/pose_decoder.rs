@@ -89,7 +89,7 @@ impl PoseDecoder {
 
     /// The encoder's mean: fast, a few degrees off.
     pub fn encode_roughly(&self, pose: &BodyPose) -> [f32; POSE] {
-        let angles: Vec<f32> = pose.iter().flat_map(|v| v.to_array()).collect();
+        let angles: Vec<f32> = pose.iter().flat_map(glam::Vec3::to_array).collect();
         let first = self.encoder[0].forward(&angles, true);
         let second = self.encoder[1].forward(&first, true);
         let code = self.encoder[2].forward(&second, false);

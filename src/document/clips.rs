@@ -44,7 +44,7 @@ pub(super) fn write(clips: &[Arc<Clip>]) -> std::io::Result<Vec<u8>> {
         let all = |numbers: &dyn Fn(&Frame) -> Vec<f32>| -> Vec<f32> {
             clip.frames.iter().flat_map(numbers).collect()
         };
-        let pose = |frame: &Frame| frame.pose.iter().flat_map(|joint| joint.to_array()).collect();
+        let pose = |frame: &Frame| frame.pose.iter().flat_map(glam::Vec3::to_array).collect();
         archive.add(
             &format!("{id}/translation"),
             &[frames, 3],

@@ -17,7 +17,6 @@ use crate::scene::SubGoal;
 
 /// An intent: from a click, a key or a finished job.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "commands are few and live for a moment")]
 pub enum Command {
     /// Opens `room` instead of the present one; people and motions leave with the old room.
     OpenRoom {

@@ -431,7 +431,7 @@ fn an_action_changes_room_and_people_in_one_step_and_what_stays_keeps_its_number
     assert_eq!(user.document.past_labels().last(), Some("read book on sofa"));
     assert_eq!(user.does(read(&lived, made_for)), Err(Refused::RoomChanged));
     user.document.undo();
-    assert_eq!((user.names(), user.document.room_version()), (vec!["Ada", "Bo"], made_for.unwrap()));
+    assert_eq!((user.names(), Some(user.document.room_version())), (vec!["Ada", "Bo"], made_for));
     let mut twice = lived.as_ref().clone();
     twice.objects[2].id = ObjectId(0);
     assert_eq!(user.does(read(&Arc::new(twice), None)), Err(Refused::ObjectTwice(ObjectId(0))));

@@ -29,6 +29,12 @@ struct Pair {
     rho: f64,
 }
 
+/// A value with its gradient, written into the second slice.
+pub type ValueAndGradient<'a> = dyn FnMut(&[f32], &mut [f32]) -> f32 + 'a;
+
+/// What sees each accepted point and value, and may break off.
+pub type EachPoint<'a, E> = dyn FnMut(&[f32], f32) -> Result<(), E> + 'a;
+
 /// Minimises `value_and_gradient` from `x` by L-BFGS (Nocedal and Wright 2006, algorithm 7.4) with bisection to a
 /// weak Wolfe point (Lewis and Overton 2013), which kinks don't upset. `x` ends at the lowest point found, whose
 /// value is returned. `each` sees every accepted point and value and may break off with an error.
@@ -40,8 +46,8 @@ struct Pair {
 pub fn minimise<E>(
     x: &mut [f32],
     config: &LbfgsConfig,
-    value_and_gradient: &mut dyn FnMut(&[f32], &mut [f32]) -> f32,
-    each: &mut dyn FnMut(&[f32], f32) -> Result<(), E>,
+    value_and_gradient: &mut ValueAndGradient<'_>,
+    each: &mut EachPoint<'_, E>,
 ) -> Result<f32, E> {
     let mut gradient = vec![0.0; x.len()];
     let mut value = value_and_gradient(x, &mut gradient);

@@ -90,13 +90,13 @@ pub(super) fn add(set: &mut PhotoSet, bytes: &[u8]) -> Result<(), Fault> {
             set.put_thing(&key, PhotoThing { category: label, bounds, outline })?;
         }
     }
-    for parts in people.into_values() {
+    for parts in people.values() {
         add_person(set, &key, parts)?;
     }
     Ok(())
 }
 
-fn add_person(set: &mut PhotoSet, key: &str, parts: Parts) -> Result<(), Fault> {
+fn add_person(set: &mut PhotoSet, key: &str, parts: &Parts) -> Result<(), Fault> {
     set.count_person()?;
     let marked = parts.joints.iter().filter(|j| j.confidence > 0.0).map(|j| j.pixel);
     let Some(bounds) = parts.bounds.or_else(|| PixelBox::around(marked)) else { return Ok(()) };

@@ -85,7 +85,7 @@ fn add_body(
     for (number, joint) in body.skeleton.iter().enumerate() {
         let turns = turns_of(motion, number);
         if turns.iter().any(|turn| *turn != unit(joint.rotation)) {
-            let turns: Vec<[f32; 4]> = turns.iter().map(|turn| turn.to_array()).collect();
+            let turns: Vec<[f32; 4]> = turns.iter().map(glam::Quat::to_array).collect();
             channel(first_joint + number, "rotation", builder.array(&turns, layout("VEC4")));
         }
     }

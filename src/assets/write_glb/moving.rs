@@ -110,7 +110,7 @@ fn add_channels(
             let flips = turns.last().is_some_and(|last| last.dot(turn) < 0.0);
             turns.push(if flips { -turn } else { turn });
         }
-        let turns: Vec<[f32; 4]> = turns.iter().map(|t| t.to_array()).collect();
+        let turns: Vec<[f32; 4]> = turns.iter().map(glam::Quat::to_array).collect();
         channel(input, builder.array(&turns, layout("VEC4")), "rotation", "LINEAR");
     }
     if let Some(comes_s) = motion.comes_s.filter(|s| *s > 0.0) {

@@ -166,7 +166,7 @@ fn mover() -> SkinnedMesh {
     let turn = |i: usize| {
         // As rotations come out of a fit: of either sign.
         let q = Quat::from_rotation_y(0.1 * i as f32);
-        if i % 3 == 0 { -q } else { q }
+        if i.is_multiple_of(3) { -q } else { q }
     };
     let motion = SkinMotion {
         fps: 30.0,
@@ -357,7 +357,7 @@ fn an_object_that_moves_ends_where_the_model_has_it_and_comes_when_it_should() {
     };
     let keys = vec![key(1.0, Vec3::X, 0.0), key(2.0, Vec3::new(0.4, 0.7, 0.0), 0.5)];
     let motion = ObjectMotion { node: 7, model_from_object, keys, comes_s: Some(1.0) };
-    let file = glb_of_motions("day", Some(&model), &[motion.clone()], &[]).expect("sound");
+    let file = glb_of_motions("day", Some(&model), std::slice::from_ref(&motion), &[]).expect("sound");
     let (document, blob) = open(&file);
     let scene = document.scenes().next().expect("one");
     let above = scene.nodes().find(|n| n.name() == Some("cup moves")).expect("its own node");

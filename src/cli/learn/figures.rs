@@ -81,8 +81,11 @@ fn likelihood(report: &ActionReport) -> BarChart {
     }
 }
 
+/// A filter: its name, and how many instances are left after it.
+type Filter = (&'static str, fn(&Funnel) -> usize);
+
 /// The filters in their order.
-const FILTERS: [(&str, fn(&Funnel) -> usize); 8] = [
+const FILTERS: [Filter; 8] = [
     ("found", |f| f.found),
     ("with things", |f| f.with_things),
     ("with pose", |f| f.with_pose),

@@ -86,7 +86,7 @@ mod tests {
         .expect("a list of goals");
         assert_eq!(goals[0].at, Vec3::new(1.0, 0.0, -2.5));
         assert_eq!((goals[0].pose, goals[0].stay_s), (GoalPose::Sit, 4.0));
-        assert!((goals[0].facing.expect("said") - 1.5708).abs() < 1e-4);
+        assert!((goals[0].facing.expect("said") - std::f32::consts::FRAC_PI_2).abs() < 1e-4);
         assert_eq!((goals[1].id, goals[1].pose, goals[1].facing), (SubGoalId(1), GoalPose::Any, None));
     }
 

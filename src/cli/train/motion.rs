@@ -202,7 +202,7 @@ impl Files {
     /// The weights stand there after every epoch: a training that is stopped leaves what it has learnt.
     fn after_epoch(&self, state: &MotionState) -> Result<(), Stop> {
         let failed = |error: anyhow::Error| Stop::Failed(format!("{error:#}"));
-        if state.epoch % self.every == 0 || state.epoch == state.training.epochs {
+        if state.epoch.is_multiple_of(self.every) || state.epoch == state.training.epochs {
             write(&self.checkpoint, &state.checkpoint()?).map_err(failed)?;
         }
         write(&self.out, &state.weights()?).map_err(failed)?;

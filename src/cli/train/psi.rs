@@ -224,7 +224,7 @@ impl Files {
 
     fn after_epoch(&self, state: &TrainingState) -> Result<(), Stop> {
         let failed = |error: anyhow::Error| Stop::Failed(format!("{error:#}"));
-        if state.epoch % self.every == 0 || state.epoch == state.training.epochs {
+        if state.epoch.is_multiple_of(self.every) || state.epoch == state.training.epochs {
             write(&self.checkpoint, &state.checkpoint()?).map_err(failed)?;
         }
         if state.epoch == state.training.late_epoch() && !state.training.scene_loss {

@@ -237,7 +237,7 @@ mod tests {
         let up = Sensor::new(&room, geometry).capture(&View::look_at(eye, eye + Vec3::Y, lens));
         assert!((up.depth_m[4 * 9 + 4] - 0.89).abs() < 1e-4, "2.4 m over the floor's underside");
         assert_eq!(up.labels[4 * 9 + 4], label_of(Category::Ceiling));
-        let open = Sensor::with_enclosure(&room, &geometry, Enclosure::Open).capture(&view);
+        let open = Sensor::with_enclosure(&room, geometry, Enclosure::Open).capture(&view);
         assert_eq!((open.depth_m[4 * 9 + 4], open.labels[4 * 9 + 4]), (0.0, 0));
     }
 

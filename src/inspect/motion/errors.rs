@@ -57,7 +57,7 @@ impl MotionErrors {
         let l1 = |a: &[f32], b: &[f32]| {
             100.0 * a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f32>() / a.len().max(1) as f32
         };
-        let flat = |frame: &Frame| frame.pose.iter().flat_map(|p| p.to_array()).collect::<Vec<f32>>();
+        let flat = |frame: &Frame| frame.pose.iter().flat_map(glam::Vec3::to_array).collect::<Vec<f32>>();
         Self {
             translation_l1_x100: l1(&a.translation.to_array(), &b.translation.to_array()),
             orientation_l1_x100: l1(&a.params(betas).rotation6, &b.params(betas).rotation6),

@@ -71,7 +71,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn plus(mut self, other: Self) -> Self {
+    fn plus(mut self, other: &Self) -> Self {
         (0..KINDS.len()).for_each(|k| self.counts[k] += other.counts[k]);
         (0..KINDS.len()).for_each(|k| self.places[k] += other.places[k]);
         self.instances += other.instances;
@@ -108,7 +108,7 @@ pub fn held_out_likelihood(
         Ok(sums)
     };
     let parts: Vec<Sums> = (0..FOLDS).into_par_iter().map(fold).collect::<Result<_, Cancelled>>()?;
-    let sums = parts.into_iter().fold(Sums::default(), Sums::plus);
+    let sums = parts.iter().fold(Sums::default(), Sums::plus);
     let row = |(index, (_, name)): (usize, &(Kind, &str))| {
         let counts = sums.counts[index] / sums.complete.max(1) as f64;
         let place = sums.places[index] / sums.things.max(1) as f64;
@@ -144,7 +144,7 @@ impl Pooled {
             places.entry(thing.object.clone()).or_default().push(thing.from_person);
         }
         let shares = |object: &String| {
-            let mut numbers = vec![0.0; MOST_PIECES + 1];
+            let mut numbers = [0.0; MOST_PIECES + 1];
             counted.iter().for_each(|c| numbers[c.get(object).copied().unwrap_or(0)] += 1.0);
             numbers.iter().map(|n| n / counted.len().max(1) as f64).collect()
         };

@@ -288,7 +288,7 @@ impl Learner<'_> {
             }
             let own = self.fitted(&chosen, evidence, &format!("{what}, {evidence:?} {number}"))?;
             density = Some(match density {
-                Some(wider) => self.leaning(own, wider),
+                Some(wider) => self.leaning(&own, &wider),
                 None => own,
             });
         }
@@ -308,14 +308,14 @@ impl Learner<'_> {
 
     /// A layout of few places with the wider one as its prior, which weighs as much as `prior_places` of them. Told as
     /// the wider one's until its own places are enough.
-    fn leaning(&self, own: PolarDensity, wider: PolarDensity) -> PolarDensity {
+    fn leaning(&self, own: &PolarDensity, wider: &PolarDensity) -> PolarDensity {
         let share = own.samples as f64 / (own.samples as f64 + self.config.prior_places);
         let (a, b) = (own.distance_m, wider.distance_m);
         let apart = a.mu - b.mu;
         let variance = share * a.sigma * a.sigma
             + (1.0 - share) * b.sigma * b.sigma
             + share * (1.0 - share) * apart * apart;
-        let told = if own.samples >= self.config.own_places { &own } else { &wider };
+        let told = if own.samples >= self.config.own_places { own } else { wider };
         PolarDensity {
             distance_m: LogNormal { mu: share * a.mu + (1.0 - share) * b.mu, sigma: variance.sqrt() },
             direction: own.direction.mixed(&wider.direction, share, self.config.mixture.most_components),

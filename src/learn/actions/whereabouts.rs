@@ -185,12 +185,12 @@ mod tests {
 
     #[test]
     fn places_fit_postures() {
+        use KeyRelation::{Around, On};
         let at = |key, relation, posture| {
             let place = KeyPlace { key, relation, evidence: KeyEvidence::Thing, bounds: None };
             let fitted = fitting(place, posture);
             (fitted.key, fitted.relation)
         };
-        use KeyRelation::{Around, On};
         assert_eq!(at(KeyObject::Couch, On, Posture::Stand), (KeyObject::Couch, Around));
         assert_eq!(at(KeyObject::Couch, Around, Posture::Sit), (KeyObject::Couch, On));
         assert_eq!(at(KeyObject::OfficeDesk, Around, Posture::LieUp), (KeyObject::Bed, On));

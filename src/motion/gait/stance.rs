@@ -66,7 +66,7 @@ pub(super) fn stand(person: &Person, feet: [FootPose; 2], seed: Seed) -> Stick {
         rotation: yaw(facing),
         turns,
         feet,
-        poles: [1.0, -1.0].map(|out| Vec3::new(0.12 * out, 0.0, 1.0).normalize()),
+        poles: [1.0, -1.0].map(|out| Vec3::new(0.12 * out, 0.0, 1.0).normalize_or(Vec3::Z)),
         twists: [[Quat::IDENTITY; 2]; 2],
         hands: [0.0; HANDS],
     };

@@ -350,7 +350,7 @@ impl<'a> Walk<'a> {
             twists: [[Quat::IDENTITY; 2]; 2],
             hands: [0.0; crate::scene::HANDS],
         };
-        stick.poles = [1.0, -1.0].map(|out| Vec3::new(0.08 * out, 0.0, 1.0).normalize());
+        stick.poles = [1.0, -1.0].map(|out| Vec3::new(0.08 * out, 0.0, 1.0).normalize_or(Vec3::Z));
         let shares = self.shares(t);
         for (end, share) in self.ends.iter().zip(shares) {
             if let End::Still(pose) = end {

@@ -120,7 +120,7 @@ pub fn route(
         match builder.arrive(at.map(|(_, spot)| spot), station, &discs) {
             Ok((spot, chosen, way)) => {
                 if let Some((from, _)) = at {
-                    builder.walk(from, index, way);
+                    builder.walk(from, index, &way);
                 }
                 builder.stand(index, chosen);
                 at = Some((index, spot));
@@ -159,11 +159,11 @@ impl Builder<'_> {
     }
 
     /// Puts in the way from one station to another and the sub-goals on it.
-    fn walk(&mut self, from: usize, to: usize, way: Way) {
+    fn walk(&mut self, from: usize, to: usize, way: &Way) {
         let stations = self.stations;
         let (a, b) = (&stations[from], &stations[to]);
         let still = [!a.is_through(), !b.is_through()];
-        let on_way = between(&way, still, &self.planner.config);
+        let on_way = between(way, still, &self.planner.config);
         if let Some((at, clearance_m)) = way.squeeze {
             self.route.squeezes.push((a.goal.id, at, clearance_m));
         }

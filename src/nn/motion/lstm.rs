@@ -53,16 +53,16 @@ impl Cell {
     /// The outputs at the first and the second token, from an empty state.
     fn run(&self, g: &Graph, first: Tensor<2>, second: Tensor<2>) -> [Tensor<2>; 2] {
         let bias = || g.param::<1>(self.bias).reshape([1, 4 * self.hidden]);
-        let (state, output) = self.step(first.matmul(g.param::<2>(self.input)) + bias(), None);
+        let (state, output) = self.step(&(first.matmul(g.param::<2>(self.input)) + bias()), None);
         let gates = second.matmul(g.param::<2>(self.input))
             + output.clone().matmul(g.param::<2>(self.recurrent))
             + bias();
-        let (_, last) = self.step(gates, Some(state));
+        let (_, last) = self.step(&gates, Some(state));
         [output, last]
     }
 
     /// State and output after the gates, which stand in the order input, forget, candidate, output.
-    fn step(&self, gates: Tensor<2>, state: Option<Tensor<2>>) -> (Tensor<2>, Tensor<2>) {
+    fn step(&self, gates: &Tensor<2>, state: Option<Tensor<2>>) -> (Tensor<2>, Tensor<2>) {
         let gate = |i: usize| gates.clone().narrow(1, i * self.hidden, self.hidden);
         let fresh = sigmoid(gate(0)) * tanh(gate(2));
         let state = match state {

@@ -24,9 +24,9 @@ pub fn for_frame<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::mpsc::channel;
     use std::sync::{Arc, Barrier};
 
+    use crossbeam_channel::bounded;
     use rayon::prelude::*;
 
     use super::for_frame;
@@ -37,7 +37,7 @@ mod tests {
         let busy = Arc::new(Barrier::new(workers + 1));
         let releases: Vec<_> = (0..workers)
             .map(|_| {
-                let (release, released) = channel::<()>();
+                let (release, released) = bounded::<()>(1);
                 let busy = Arc::clone(&busy);
                 rayon::spawn(move || {
                     busy.wait();

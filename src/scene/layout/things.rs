@@ -361,10 +361,10 @@ fn broccoli() -> Vec<Surface> {
 }
 
 fn donut(icing: Srgb) -> Vec<Surface> {
+    const AROUND: usize = 22;
+    const TUBE: usize = 10;
     let ring = |tube: f32, squash: f32, lift: f32| {
         let mut mesh = Mesh::default();
-        const AROUND: usize = 22;
-        const TUBE: usize = 10;
         for i in 0..AROUND {
             let (s, c) = (std::f32::consts::TAU * i as f32 / AROUND as f32).sin_cos();
             for j in 0..TUBE {
@@ -388,10 +388,10 @@ fn donut(icing: Srgb) -> Vec<Surface> {
 
 /// A pizza on a board with this many of its eight slices left.
 fn pizza(slices: usize) -> Vec<Surface> {
+    const STEPS: usize = 5;
     let board = lathe(&[(0.0, 0.0), (0.17, 0.0), (0.17, 0.012), (0.0, 0.012)], 36);
     let wedge = |inner: f32, outer: f32, low: f32, high: f32, from: f32, to: f32| {
         let mut mesh = Mesh::default();
-        const STEPS: usize = 5;
         let p = |r: f32, t: f32, y: f32| {
             let (s, c) = (from + (to - from) * t).sin_cos();
             Vec3::new(r * s, y, r * c)

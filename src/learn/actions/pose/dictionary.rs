@@ -95,7 +95,7 @@ pub fn learn_dictionary(
     let reference = poses.first().map_or([Vec3::ZERO; PHOTO_JOINTS], normalised);
     let both = poses.iter().flat_map(|p| [*p, examples::mirrored(p)]);
     let rows: Vec<[f32; NUMBERS]> =
-        both.map(|p| flat(&upright(&normalised(&p), &reference))).filter(|r| is_finite(r)).collect();
+        both.map(|p| flat(&upright(&normalised(&p), &reference))).filter(is_finite).collect();
     let mut bases = first_bases(&rows, config.bases, seed);
     let mut codes = vec![vec![0.0_f32; bases.len()]; rows.len()];
     ticker.stage("learning the pose dictionary", config.rounds)?;

@@ -22,8 +22,7 @@ pub fn clutter(dice: &mut Dice, room: &mut Furnishing) {
         let kind = room.tops[index].clutter;
         let count = match kind {
             Clutter::Dining | Clutter::Round => dice.count(0, 6),
-            Clutter::Desk | Clutter::Kitchen => dice.count(0, 4),
-            Clutter::Coffee | Clutter::Chest => dice.count(0, 4),
+            Clutter::Desk | Clutter::Kitchen | Clutter::Coffee | Clutter::Chest => dice.count(0, 4),
             Clutter::Night => dice.count(0, 1),
             Clutter::Children => dice.count(0, 3),
         };
@@ -50,11 +49,13 @@ fn something(dice: &mut Dice, kind: Clutter) -> Thing {
     let pick = dice.count(0, 9);
     match (kind, pick) {
         (Clutter::Dining | Clutter::Round | Clutter::Kitchen, 0..=7) => of(dice, stock::TABLEWARE, "objects"),
-        (Clutter::Coffee | Clutter::Night, 0..=4) => of(dice, stock::SMALL_THINGS, "objects"),
         (Clutter::Chest, 0..=1) => of(dice, stock::LINEN, "objects"),
-        (Clutter::Night | Clutter::Desk | Clutter::Children, 5..=9) | (Clutter::Coffee, 5..=7) => books(dice),
-        (Clutter::Chest, 2..=4) => books(dice),
-        (Clutter::Desk | Clutter::Children, _) => of(dice, stock::SMALL_THINGS, "objects"),
+        (Clutter::Night | Clutter::Desk | Clutter::Children, 5..=9)
+        | (Clutter::Coffee, 5..=7)
+        | (Clutter::Chest, 2..=4) => books(dice),
+        (Clutter::Coffee | Clutter::Night, 0..=4) | (Clutter::Desk | Clutter::Children, _) => {
+            of(dice, stock::SMALL_THINGS, "objects")
+        }
         _ => of(dice, stock::DECORATION, "objects"),
     }
 }

@@ -321,14 +321,13 @@ impl Recipe<'_> {
             (RoomType::Lounge, n) if (3..5).contains(&n) => {
                 self.until_placed(1, |d, p| kits::sofa_corner(d, p, 2.6, true))
             }
-            (RoomType::Lounge, 5) => self.open_until_placed(1, kits::island),
             (RoomType::Office, 0..=2) => self.until_placed(1, |d, p| kits::desk(d, p, DeskKind::AtWall)),
             (RoomType::Living, 0..=1) => self.until_placed(1, |d, p| kits::sofa_corner(d, p, 2.2, false)),
             (RoomType::Living | RoomType::Studio, 2) => {
                 self.open_until_placed(1, |d, p| kits::dining(d, p, 1.5, height_m))
             }
             (RoomType::Bedroom | RoomType::Guest, 0..=1) => self.until_placed(1, kits::wardrobe),
-            (RoomType::Dining, 0..=1) => self.open_until_placed(1, kits::island),
+            (RoomType::Lounge, 5) | (RoomType::Dining, 0..=1) => self.open_until_placed(1, kits::island),
             (RoomType::Children, 0..=1) => self.open_until_placed(1, kits::play_table),
             (_, n) if n < 4 => self.until_placed(1, kits::reading_place),
             (_, n) if n < 6 => self.until_placed(1, |dice, palette| kits::shelves(dice, palette, 2)),
