@@ -3,11 +3,13 @@
 
 use std::sync::Arc;
 
+use super::engine::RoomChanges;
 use super::lived::LivedDay;
 use super::living::LifeNode;
 use super::state::EditorState;
 use crate::document::Command;
 use crate::document::RoomVersion;
+use crate::evolve::day::Track;
 use crate::job::{Job, JobCtx, Seed};
 use crate::scene::Clip;
 use crate::scene::ClipId;
@@ -22,6 +24,8 @@ pub struct ShownDay {
     first: usize,
     /// Seconds, and the state from then on.
     changes: Vec<(f32, usize)>,
+    /// How things come and move.
+    tracks: Vec<Track>,
 }
 
 impl ShownDay {
@@ -31,6 +35,10 @@ impl ShownDay {
         begun.last().map_or(self.first, |(_, node)| *node)
     }
 }
+
+/// The room is no longer the one that a day ends in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RoomIsAnother;
 
 /// A day that is being made.
 pub(super) struct LivingDay {
@@ -88,7 +96,7 @@ impl EditorState {
         let clips = vec![Clip { id: clip, name, palette: clip.0, locked: true, ..day.clip }];
         self.apply(Command::AddClips { clips, made_for: None });
         self.document.commit();
-        self.living.day = Some(ShownDay { clip, first: from, changes });
+        self.living.day = Some(ShownDay { clip, first: from, changes, tracks: day.tracks });
         self.activate_clip(clip);
         self.motion.player.seconds = 0.0;
         self.motion.player.playing = true;
@@ -104,6 +112,19 @@ impl EditorState {
         (self.life_now() == Some(last) && node != last).then_some(node)
     }
 
+    /// How the room changes while motions play that are written to a file: not at all without a day among them.
+    pub(super) fn room_changes(&self, clips: &[Arc<Clip>]) -> Result<RoomChanges, RoomIsAnother> {
+        let Some(day) = self.living.day.as_ref().filter(|day| clips.iter().any(|c| c.id == day.clip)) else {
+            return Ok(RoomChanges::default());
+        };
+        if self.life_now() != day.changes.last().map(|(_, node)| *node) {
+            return Err(RoomIsAnother);
+        }
+        let state = |(from_s, node): (f32, usize)| Some((from_s, self.life_scene(node)?.0.clone()));
+        let states = std::iter::once((0.0, day.first)).chain(day.changes.iter().copied());
+        Ok(RoomChanges { tracks: day.tracks.clone(), rooms: states.filter_map(state).collect() })
+    }
+
     /// Whether a motion is a day: its room changes under it, so that it can't be measured against one room.
     pub(super) fn is_day(&self, clip: &Arc<Clip>) -> bool {
         self.living.day.as_ref().is_some_and(|day| day.clip == clip.id)
@@ -116,7 +137,7 @@ mod tests {
 
     #[test]
     fn the_room_of_a_day_is_that_of_the_last_change() {
-        let day = ShownDay { clip: ClipId(0), first: 4, changes: vec![(2.0, 5), (7.5, 6)] };
+        let day = ShownDay { clip: ClipId(0), first: 4, changes: vec![(2.0, 5), (7.5, 6)], tracks: Vec::new() };
         assert_eq!([0.0, 1.9, 2.0, 7.4, 7.5, 90.0].map(|s| day.node_at(s)), [4, 4, 5, 5, 6, 6]);
     }
 }

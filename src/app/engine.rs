@@ -12,6 +12,7 @@ use crate::assets::PersonKeypoints;
 use crate::document::NextIds;
 use crate::document::Project;
 use crate::evolve::PopulatePreview;
+use crate::evolve::day::Track;
 use crate::generate::sensor::SceneImage;
 use crate::inspect::BodyReport;
 use crate::inspect::MotionReport;
@@ -515,6 +516,15 @@ impl MotionFormat {
     }
 }
 
+/// What happens to the room while motions play: nothing, or what a day brings and moves.
+#[derive(Clone, Debug, Default)]
+pub struct RoomChanges {
+    /// How things come and move, in the last room.
+    pub tracks: Vec<Track>,
+    /// The rooms one after the other, and from when on each is there, seconds; the first from the beginning.
+    pub rooms: Vec<(f32, Arc<Room>)>,
+}
+
 /// Motions to be written; an owned snapshot.
 #[derive(Clone)]
 pub struct MotionExport {
@@ -524,6 +534,8 @@ pub struct MotionExport {
     pub scene: Scene,
     /// The motions.
     pub clips: Vec<Arc<Clip>>,
+    /// What the room does meanwhile; it ends as the scene's room.
+    pub changes: RoomChanges,
     /// From where pictures are taken.
     pub camera: Camera,
     /// Columns and rows of pictures.

@@ -20,7 +20,7 @@ use crate::evolve::action::StepPerson;
 use crate::evolve::action::Suggestion;
 use crate::evolve::action::Verdict;
 use crate::evolve::action::embody;
-use crate::evolve::day::{DayRequest, day};
+use crate::evolve::day::{DayRequest, Track, day};
 use crate::inspect::BodyReport;
 use crate::job::{Cancelled, JobCtx, Seed, Stop, Ticker};
 use crate::scene::Clip;
@@ -113,6 +113,8 @@ pub struct LivedDay {
     pub states: Vec<Arc<dyn LivedRoom>>,
     /// When each begins to show, seconds.
     pub changes_s: Vec<f32>,
+    /// How things come and move, in the last state's room.
+    pub tracks: Vec<Track>,
     /// Actions that could not be done or walked to, and why.
     pub refused: Vec<String>,
 }
@@ -254,6 +256,7 @@ impl LivedRoom for Real {
         let made = day(&self.0, &request, &JobCtx::watched(cx.seed, cx.ticker().clone()))?;
         let state = |state| Arc::new(Self(state)) as Arc<dyn LivedRoom>;
         Ok(LivedDay {
+            tracks: made.tracks(),
             clip: made.clip,
             states: made.states.into_iter().skip(1).map(state).collect(),
             changes_s: made.moments.iter().map(|moment| moment.changes_s).collect(),

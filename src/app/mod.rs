@@ -52,6 +52,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 pub use frames::FrameTimes;
+pub use motion::Placing;
 pub use orbit::{AxisView, Orbit};
 pub use screenshot::ScreenshotPlan;
 pub use state::EditorState;
@@ -78,6 +79,14 @@ fn leave_a_core_for_the_window() {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     // Somebody may have made the pool before, as tests do; then it stays as it is.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(cores.saturating_sub(1).max(1)).build_global();
+}
+
+/// The editor without its window, with the program's own work behind it, opening `room` (as in [`AppOptions`]). Whoever
+/// drives it calls [`EditorState::poll`] until what they wait for is there.
+pub fn editor(room: Option<PathBuf>) -> EditorState {
+    let mut state = EditorState::new(Arc::new(RealEngine::default()), Arc::new(|| ()));
+    state.open(real::source_named(room));
+    state
 }
 
 /// Opens the window and returns when it is closed: how smooth it was, if that was asked for.

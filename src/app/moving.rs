@@ -34,7 +34,9 @@ use crate::render::Painter;
 use crate::render::PersonDraw;
 use crate::render::SceneDraw;
 use crate::render::Shown;
+use crate::render::Picture;
 use crate::render::clips_glb;
+use crate::render::moving_room_glb;
 use crate::scene::BETAS;
 use crate::scene::Clip;
 use crate::scene::Frame;
@@ -43,6 +45,7 @@ use crate::scene::Person;
 use crate::scene::PoseFamily;
 use crate::scene::Room;
 use crate::scene::RoomGeometry;
+use crate::scene::Scene;
 use crate::scene::SubGoal;
 use crate::scene::SubGoalId;
 use crate::scene::direction_of;
@@ -238,7 +241,9 @@ pub fn export(
     let files: Vec<(PathBuf, Vec<u8>)> = match export.format {
         MotionFormat::Glb => vec![(path.to_path_buf(), clips_glb(name, None, clips(), surface)?)],
         MotionFormat::GlbWithRoom => {
-            vec![(path.to_path_buf(), clips_glb(name, Some(&export.scene.room), clips(), surface)?)]
+            let room = &export.scene.room;
+            let things: Vec<_> = export.changes.tracks.iter().filter_map(|t| t.motion_in(room)).collect();
+            vec![(path.to_path_buf(), moving_room_glb(name, Some(room), &things, clips(), surface)?)]
         }
         MotionFormat::Bvh => {
             numbered(path, export, |clip| Ok(write_bvh(&rig_motion(Body::bundled(), clip)).into_bytes()))?
@@ -276,9 +281,35 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Stop> {
     Ok(write_folder(folder, &[(name, bytes.to_vec())])?)
 }
 
-/// What the view shows, without anything of the editor in it.
-fn film(export: &MotionExport, surface: &Arc<BodySurface>, fps: f32) -> Film {
-    let mut scene = SceneDraw::of_room(&export.scene);
+/// What the view shows, without anything of the editor in it: a film of each state of the room.
+struct Show {
+    /// From when on, seconds.
+    films: Vec<(f32, Film)>,
+}
+
+impl Show {
+    fn new(export: &MotionExport, surface: &Arc<BodySurface>, fps: f32) -> Self {
+        let still = || vec![(0.0, export.scene.room.clone())];
+        let rooms =
+            if export.changes.rooms.is_empty() { still() } else { export.changes.rooms.clone() };
+        let film = |(from_s, room)| (from_s, film(export, room, surface, fps));
+        Self { films: rooms.into_iter().map(film).collect() }
+    }
+
+    fn pictures(&self) -> usize {
+        self.films.first().map_or(0, |(_, film)| film.pictures())
+    }
+
+    fn draw(&self, painter: &Painter, number: usize) -> Result<Picture, Stop> {
+        let begun = |(from_s, film): &&(f32, Film)| *from_s <= number as f32 / film.fps;
+        let film = self.films.iter().rev().find(begun).or(self.films.first());
+        let (_, film) = film.ok_or_else(|| Stop::Failed("there is nothing to draw".to_owned()))?;
+        Ok(film.draw(painter, number)?)
+    }
+}
+
+fn film(export: &MotionExport, room: Arc<Room>, surface: &Arc<BodySurface>, fps: f32) -> Film {
+    let mut scene = SceneDraw::of_room(&Scene { room, ..export.scene.clone() });
     scene.body = Some(surface.clone());
     scene.look.cutaway = Cutaway::Outside;
     scene.look.grid = Shown::No;
@@ -291,12 +322,12 @@ fn film(export: &MotionExport, surface: &Arc<BodySurface>, fps: f32) -> Film {
 }
 
 fn gif(export: &MotionExport, surface: &Arc<BodySurface>, ticker: &Ticker) -> Result<Vec<u8>, Stop> {
-    let film = film(export, surface, GIF_FPS);
+    let show = Show::new(export, surface, GIF_FPS);
     let painter = Painter::new(Backend::Auto)?;
     let mut writer = GifWriter::new(export.size[0], export.size[1], GIF_FPS)?;
-    ticker.stage("drawing", film.pictures())?;
-    for number in 0..film.pictures() {
-        writer.add(&film.draw(&painter, number)?.rgba)?;
+    ticker.stage("drawing", show.pictures())?;
+    for number in 0..show.pictures() {
+        writer.add(&show.draw(&painter, number)?.rgba)?;
         ticker.advance()?;
     }
     Ok(writer.finish())
@@ -310,21 +341,22 @@ fn pictures(
     ticker: &Ticker,
 ) -> Result<usize, Stop> {
     let fps = export.clips.first().map_or(crate::scene::CLIP_FPS, |clip| clip.fps);
-    let film = film(export, surface, fps);
+    let show = Show::new(export, surface, fps);
     let painter = Painter::new(Backend::Auto)?;
-    ticker.stage("drawing", film.pictures())?;
-    for number in 0..film.pictures() {
-        let picture = film.draw(&painter, number)?;
+    ticker.stage("drawing", show.pictures())?;
+    for number in 0..show.pictures() {
+        let picture = show.draw(&painter, number)?;
         let png = encode_png(picture.width, picture.height, &picture.rgba)?;
         write_folder(folder, &[(format!("{:04}.png", number + 1), png)])?;
         ticker.advance()?;
     }
-    Ok(film.pictures())
+    Ok(show.pictures())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::engine::RoomChanges;
 
     fn goal(pose: GoalPose, height_m: f32) -> SubGoal {
         SubGoal {
@@ -371,7 +403,8 @@ mod tests {
         let clips = vec![short_walk(0), short_walk(1)];
         let write = |format: MotionFormat, name: &str| {
             let (scene, camera) = (crate::scene::Scene::default(), crate::scene::Camera::default());
-            let task = MotionExport { format, scene, clips: clips.clone(), camera, size: [48, 36] };
+            let (clips, changes) = (clips.clone(), RoomChanges::default());
+            let task = MotionExport { format, scene, clips, changes, camera, size: [48, 36] };
             let files = export(&folder.path().join(name), &task, &surface, &Ticker::silent());
             files.unwrap_or_else(|stop| panic!("{format:?}: {stop:?}"))
         };

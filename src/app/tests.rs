@@ -29,6 +29,7 @@ use crate::body::Body;
 use crate::document::{Command, Project};
 use crate::evolve::PopulatePreview;
 use crate::evolve::action::{Off, Suggestion, Verdict};
+use crate::evolve::day::{Place, Track};
 use crate::generate::sensor::{Intrinsics, SIDE, SceneImage, Valid, View};
 use crate::inspect::{BodyReport, FrameRecord, MotionReport};
 use crate::job::{Cancelled, JobCtx, Seed, Stop, Ticker};
@@ -62,6 +63,8 @@ struct FakeEngine {
     moves: Mutex<Vec<MoveTask>>,
     /// Motions that were written: format, file, how many.
     written: Mutex<Vec<(MotionFormat, PathBuf, usize)>>,
+    /// What moved beside those who were written last, and how many states of the room there were.
+    changes: Mutex<(usize, usize)>,
 }
 
 /// A cup as a file has it: nine centimetres high, in centimetres, lying along Z.
@@ -152,7 +155,14 @@ impl LivedRoom for FakeLife {
         let planted = vec![[true, true]; frames.len()];
         let clip = Clip { frames, planted, ..Clip::default() };
         let changes_s = (0..actions).map(|action| action as f32 + 0.5).collect();
-        Ok(LivedDay { clip, states, changes_s, refused: Vec::new() })
+        let came = |id: usize| Track {
+            object: ObjectId(id as u32),
+            places: vec![Place { at_s: 0.5, at_m: Vec3::ZERO, rotation: glam::Quat::IDENTITY }],
+            comes_s: Some(0.5),
+        };
+        let there = self.room.objects.len();
+        let tracks = (there..there + actions).map(came).collect();
+        Ok(LivedDay { clip, states, changes_s, tracks, refused: Vec::new() })
     }
 
     fn fitted_people(&self, first: u32, ticker: &Ticker) -> Result<Vec<(Person, BodyReport)>, Cancelled> {
@@ -476,6 +486,7 @@ impl Engine for FakeEngine {
 
     fn export_motion(&self, path: &Path, export: &MotionExport, _: &Ticker) -> Result<usize, Stop> {
         self.written.lock().unwrap().push((export.format, path.to_owned(), export.clips.len()));
+        *self.changes.lock().unwrap() = (export.changes.tracks.len(), export.changes.rooms.len());
         Ok(1)
     }
 
@@ -1185,8 +1196,12 @@ fn cancel_keeps_the_motion_as_it_is_so_far_within_200_ms_as_one_step() {
     user.harness.step();
     assert!(begun.elapsed() < Duration::from_millis(200) && !user.state().jobs.moving());
     assert_eq!(user.clip().frames.len(), LEG + 1);
+    user.waits(|state| !state.jobs.any_running());
+    assert_eq!(user.history(), ["Add sub-goal", "Add sub-goal", "Synthesise motion"], "one step, and no more comes");
     user.presses(Modifiers::COMMAND, Key::Z);
-    assert!(user.clip().frames.is_empty());
+    assert!(user.clip().frames.is_empty() && user.clip().goals.len() == 2, "the plan is there again");
+    user.presses(Modifiers { shift: true, ..Modifiers::COMMAND }, Key::Z);
+    assert_eq!(user.clip().frames.len(), LEG + 1);
 }
 
 #[test]
@@ -1443,7 +1458,8 @@ fn a_banned_kind_is_not_brought_again_and_a_cancelled_action_keeps_what_was_done
     let mut user = User::opens_the_study();
     user.looks_for_actions();
     user.does("read on sofa (60");
-    user.state().ban_kind("book");
+    user.harness.get_by_label("Never bring: book").click();
+    user.sees();
     user.waits(|state| !state.is_living());
     assert_eq!(user.objects(), ["Oak floor", "Red sofa", "cup"]);
     *user.engine.making.lock().unwrap() = Making::Endless;
@@ -1529,13 +1545,13 @@ fn things_are_listed_with_pictures_bounded_and_banned() {
     user.does("read on sofa (60");
     user.does("read on sofa (60");
     assert!(user.errors()[0].contains("no room for another book"), "{:?}", user.errors());
-    user.harness.get_by_label("Ban book");
-    user.state().toggle_ban("book");
+    user.harness.get_by_label("Ban book").click();
+    user.sees();
     user.state().start_action(0);
     user.waits(|state| !state.is_living());
     assert_eq!(user.objects(), ["Oak floor", "Red sofa", "book", "cup"]);
-    user.harness.get_by_label("Allow book");
-    user.state().toggle_ban("book");
+    user.harness.get_by_label("Allow book").click();
+    user.sees();
     user.state().set_most(&book, book.most);
     assert!(user.state().living.choice.most.is_empty() && user.state().living.choice.banned.is_empty());
 }
@@ -1619,7 +1635,9 @@ fn a_day_is_one_motion_one_step_and_the_room_changes_as_it_plays() {
     let mut user = User::opens_the_study();
     user.looks_for_actions();
     user.state().living.count = 2;
-    user.state().start_day();
+    user.sees();
+    user.harness.get_by_label("A day in this room (2 actions)").click();
+    user.sees();
     user.waits(|state| !state.is_living());
     assert_eq!(user.history(), ["A day in this room"]);
     assert_eq!(user.objects(), ["Oak floor", "Red sofa", "book", "book"]);
@@ -1632,4 +1650,24 @@ fn a_day_is_one_motion_one_step_and_the_room_changes_as_it_plays() {
     assert_eq!([0.0, 1.0, 1.9].map(|seconds| objects(&mut user, seconds)), [2, 3, 4]);
     user.presses(Modifiers::COMMAND, Key::Z);
     assert_eq!((user.objects().len(), user.state().document.scene().clips.len()), (2, 0));
+}
+
+#[test]
+fn a_day_is_exported_with_the_things_that_move_and_the_room_as_it_is_by_then() {
+    let mut user = User::opens_the_study();
+    user.looks_for_actions();
+    user.state().living.count = 2;
+    user.state().start_day();
+    user.waits(|state| !state.is_living());
+    let exports = |user: &mut User| {
+        user.state().ask_motion_export(MotionFormat::GlbWithRoom);
+        user.state().start_motion_export();
+        user.waits(|state| !state.jobs.any_running());
+        *user.engine.changes.lock().unwrap()
+    };
+    assert_eq!(exports(&mut user), (2, 3), "two things come, in three rooms one after the other");
+    user.state().apply(Command::MoveObject(ObjectId(1), Affine3A::from_translation(Vec3::X)));
+    assert_eq!(exports(&mut user), (0, 0));
+    let said = user.state().notices.all().any(|(_, n)| n.text.contains("its things stand still"));
+    assert!(said, "a room that was changed since is not passed off as the day's");
 }

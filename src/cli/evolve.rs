@@ -25,7 +25,7 @@ use crate::evolve::action::{
 };
 use crate::job::{JobCtx, Seed};
 use crate::render::{BodySurface, person_glb};
-use crate::scene::{Person, Scene, model_from_room};
+use crate::scene::{ObjectId, Person, Scene, model_from_room};
 use report::{EvolveReport, Parts};
 
 /// Steps that pictures are taken after; the last one too.
@@ -116,10 +116,11 @@ pub fn run(arguments: &EvolveArguments) -> anyhow::Result<Ended> {
     let config = config(arguments)?;
     let root = arguments.out.clone().unwrap_or_else(load::default_output);
     let folder = OutputFolder::claim(&root, arguments.resume)?;
+    let locked = locked(arguments, &loaded)?;
     if arguments.day {
-        return day::run(arguments, loaded.room.clone(), model, config, &folder);
+        return day::run(arguments, loaded.room.clone(), model, config, &locked, &folder);
     }
-    let Some(computed) = compute(arguments, &loaded, &model, config)? else {
+    let Some(computed) = compute(arguments, &loaded, &model, config, locked)? else {
         return Ok(Ended::Interrupted);
     };
     let Some((last, _)) = computed.states.last() else {
@@ -190,22 +191,27 @@ fn config(arguments: &EvolveArguments) -> anyhow::Result<EvolutionConfig> {
     })
 }
 
+/// The objects that `--lock` names.
+fn locked(arguments: &EvolveArguments, loaded: &Loaded) -> anyhow::Result<Vec<ObjectId>> {
+    let mut locked = Vec::new();
+    for name in &arguments.lock {
+        let known = locked.len();
+        locked.extend(loaded.room.objects.iter().filter(|o| o.name == name.trim()).map(|o| o.id));
+        if locked.len() == known {
+            bail!("--lock names `{name}`, which {} does not have; `inhabit inspect` lists them", loaded.path);
+        }
+    }
+    Ok(locked)
+}
+
 fn compute(
     arguments: &EvolveArguments,
     loaded: &Loaded,
     model: &Arc<ActionModel>,
     config: EvolutionConfig,
+    locked: Vec<ObjectId>,
 ) -> anyhow::Result<Option<Computed>> {
     let (room, model) = (loaded.room.clone(), model.clone());
-    let locked: Vec<_> = room
-        .objects
-        .iter()
-        .filter(|o| arguments.lock.iter().any(|name| name.trim() == o.name))
-        .map(|o| o.id)
-        .collect();
-    if locked.len() < arguments.lock.len() {
-        bail!("--lock names an object that {} does not have; `inhabit inspect` lists them", loaded.path);
-    }
     let (wanted, with_people) = (arguments.actions, !arguments.no_people);
     let work = move |cx: &JobCtx| {
         let started = Instant::now();

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::app::engine::{MotionExport, MotionFormat};
+use crate::app::day::RoomIsAnother;
+use crate::app::engine::{MotionExport, MotionFormat, RoomChanges};
 use crate::app::state::{EditorState, Overlay};
 use crate::job::{Job, JobCtx, Seed};
 
@@ -35,8 +36,13 @@ impl EditorState {
         } else {
             [even(LONG_SIDE * self.aspect), even(LONG_SIDE)]
         };
+        let changes = self.room_changes(&clips).unwrap_or_else(|RoomIsAnother| {
+            let still = "The room was changed since the day was made: in the file its things stand still.";
+            self.notices.warning(still);
+            RoomChanges::default()
+        });
         let (scene, camera) = (self.document.scene().clone(), self.orbit.camera());
-        let export = MotionExport { format: choice.format, scene, clips, camera, size };
+        let export = MotionExport { format: choice.format, scene, clips, changes, camera, size };
         let (engine, path) = (self.engine.clone(), PathBuf::from(choice.path.trim()));
         let target = path.clone();
         let work = move |cx: &JobCtx| engine.export_motion(&target, &export, cx.ticker());

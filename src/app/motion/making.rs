@@ -7,6 +7,7 @@ use crate::app::engine::{MotionMethod, MovePreview, MoveTask, Moved};
 use crate::app::state::EditorState;
 use crate::document::Command;
 use crate::document::RoomVersion;
+use crate::evolve::journey::seed_of;
 use crate::job::{Job, JobCtx, Seed};
 use crate::scene::Clip;
 use crate::scene::ClipId;
@@ -82,7 +83,7 @@ impl EditorState {
         let engine = self.engine.clone();
         let work = move |cx: &JobCtx<MovePreview>| engine.synthesise(&task, cx);
         let name = format!("Synthesise {}", clip.name);
-        let job = Job::spawn(name, Seed::root(options.seed), self.waker(), work);
+        let job = Job::spawn(name, seed_of(Seed::root(options.seed), clip.id), self.waker(), work);
         let version = self.document.room_version();
         self.jobs.making =
             Some(Making { job, version, clip: clip.id, seed: options.seed, goals: clip.goals.clone() });

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::EvolveArguments;
 use super::report::{FailedRow, MovedRow, ThingRow, moved, thing};
-use crate::assets::{ObjectKey, ObjectMotion, encode_png};
+use crate::assets::{ObjectMotion, encode_png};
 use crate::body::Body;
 use crate::cli::Ended;
 use crate::cli::output::OutputFolder;
@@ -15,13 +15,13 @@ use crate::cli::progress::run_job;
 use crate::document::{Project, save_project};
 use crate::evolve::action::{ActionModel, RoomMeasures};
 use crate::evolve::action::{Evolution, EvolutionConfig, Library, Stage, measure};
-use crate::evolve::day::{Day, DayRequest, Moment, Track, day};
+use crate::evolve::day::{Day, DayRequest, Moment, day};
 use crate::job::{JobCtx, Seed};
 use crate::math::Aabb;
 use crate::render::{
     Backend, BodySurface, Cutaway, Film, Painter, Quality, SceneDraw, frame_bounds, moving_room_glb,
 };
-use crate::scene::{Camera, Room, Scene};
+use crate::scene::{Camera, ObjectId, Room, Scene};
 
 /// Pictures a second in the strip.
 const PER_SECOND: f32 = 1.0;
@@ -78,13 +78,16 @@ pub fn run(
     room: Arc<Room>,
     model: Arc<ActionModel>,
     config: EvolutionConfig,
+    locked: &[ObjectId],
     folder: &OutputFolder,
 ) -> anyhow::Result<Ended> {
     let started = Instant::now();
     let request = DayRequest { actions: arguments.actions, ..DayRequest::default() };
+    let locked = locked.to_vec();
     let work = move |cx: &JobCtx| {
         let stage = Arc::new(Stage::new(room, Library::bundled(), cx.ticker())?);
-        let start = Evolution::new(stage, model, config, cx.seed);
+        let mut start = Evolution::new(stage, model, config, cx.seed);
+        locked.iter().for_each(|id| start.lock(*id, true));
         let watched = JobCtx::watched(cx.seed, cx.ticker().clone());
         day(&start, &request, &watched)
     };
@@ -109,17 +112,7 @@ pub fn run(
 fn write_scene(folder: &OutputFolder, made: &Day) -> anyhow::Result<()> {
     let Some(last) = made.states.last() else { return Ok(()) };
     let room = last.room();
-    let motion = |track: &Track| -> Option<ObjectMotion> {
-        let node = room.objects.iter().position(|o| o.id == track.object && !o.parts.is_empty())?;
-        let key = |p: &crate::evolve::day::Place| ObjectKey {
-            at_s: p.at_s,
-            translation_m: p.at_m,
-            rotation: p.rotation,
-        };
-        let keys = track.places.iter().map(key).collect();
-        Some(ObjectMotion { node, model_from_object: track.last(), keys, comes_s: track.comes_s })
-    };
-    let motions: Vec<ObjectMotion> = made.tracks().iter().filter_map(motion).collect();
+    let motions: Vec<ObjectMotion> = made.tracks().iter().filter_map(|track| track.motion_in(&room)).collect();
     let surface = BodySurface::of(Body::bundled());
     let glb = moving_room_glb("a day", Some(&room), &motions, [&made.clip], &surface)?;
     folder.write("day.glb", &glb)?;

@@ -19,7 +19,9 @@ use super::{Common, Ended, use_threads};
 use crate::assets;
 use crate::body::{self, Body};
 use crate::document::{Project, save_project};
-use crate::evolve::journey::{Journey, JourneyPreview, JourneyRequest, MotionMethod, journey, tour};
+use crate::evolve::journey::{
+    Journey, JourneyPreview, JourneyRequest, MotionMethod, journey, seed_of, tour,
+};
 use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::motion::retrieval::MotionMemory;
 use crate::render::{BodySurface, clips_glb};
@@ -139,7 +141,7 @@ fn compute(
 ) -> anyhow::Result<Option<Computed>> {
     let room = loaded.room.clone();
     let (tour_s, wanted_s) = (arguments.tour, arguments.seconds.or(arguments.tour));
-    let before = loaded.clips.clone();
+    let (before, user_seed) = (loaded.clips.clone(), arguments.common.seed);
     let first_id = before.iter().map(|c| c.id.0 + 1).max().unwrap_or(0);
     let request = JourneyRequest {
         method: arguments.method.into(),
@@ -168,8 +170,10 @@ fn compute(
                 others: before.iter().cloned().chain(new).collect(),
                 ..request.clone()
             };
-            let seed = cx.seed.child("person", number as u64);
-            journeys.push(lasting(&room, &geometry, request, wanted_s, &child(cx, seed))?);
+            let seed = seed_of(cx.seed, request.id);
+            let mut made = lasting(&room, &geometry, request, wanted_s, &child(cx, seed))?;
+            made.clip.seed = user_seed;
+            journeys.push(made);
         }
         let move_seconds = moving.elapsed().as_secs_f64();
         Ok(Computed { geometry, journeys, field_seconds, move_seconds })

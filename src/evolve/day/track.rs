@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use glam::{Affine3A, Quat, Vec3};
 
 use super::{CHANGE_S, Moment};
+use crate::assets::{ObjectKey, ObjectMotion};
 use crate::evolve::action::Evolution;
-use crate::scene::ObjectId;
+use crate::scene::{ObjectId, Room};
 
 /// Where a thing is at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +37,14 @@ impl Track {
         self.places
             .last()
             .map_or(Affine3A::IDENTITY, |p| Affine3A::from_rotation_translation(p.rotation, p.at_m))
+    }
+
+    /// The same for a file of `room`, the last state's; `None` for what is not drawn there.
+    pub fn motion_in(&self, room: &Room) -> Option<ObjectMotion> {
+        let node = room.objects.iter().position(|o| o.id == self.object && !o.parts.is_empty())?;
+        let key = |p: &Place| ObjectKey { at_s: p.at_s, translation_m: p.at_m, rotation: p.rotation };
+        let keys = self.places.iter().map(key).collect();
+        Some(ObjectMotion { node, model_from_object: self.last(), keys, comes_s: self.comes_s })
     }
 }
 

@@ -24,7 +24,7 @@ use self::resolve::{Resolved, Resolver};
 use self::states::nodes;
 use crate::body::Body;
 use crate::inspect::{MotionReport, inspect_motion};
-use crate::job::{Cancelled, JobCtx, Stop, Ticker};
+use crate::job::{Cancelled, JobCtx, Seed, Stop, Ticker};
 use crate::motion::gait;
 use crate::motion::plan::{Blocked, PlanConfig, Planner, Route, Unreachable, route};
 use crate::motion::retrieval::MotionMemory;
@@ -205,6 +205,12 @@ impl Journey {
             .map(|m| format!("frame {}: comes within {:.0} cm of {}", m.frame, 100.0 * m.distance_m, m.name));
         unreachable.chain(missed).chain(meets).collect()
     }
+}
+
+/// The seed of one of a scene's motions under the user's: two motions of the same sub-goals are two people's, and
+/// whoever makes a motion, with a window or without, makes the same.
+pub fn seed_of(root: Seed, clip: ClipId) -> Seed {
+    root.child("person", u64::from(clip.0))
 }
 
 /// Everything that the parts of one journey share.

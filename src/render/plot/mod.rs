@@ -6,12 +6,14 @@ mod canvas;
 mod lines;
 mod network;
 mod polar;
+mod sheet;
 mod ticks;
 
 pub use bars::{BarChart, BarSeries, ReferenceLine};
 pub use lines::{Curve, LineChart, Scale, VerticalMark};
 pub use network::NetworkChart;
 pub use polar::{PolarChart, PolarPanel};
+pub use sheet::Captioned;
 
 use super::Picture;
 
@@ -71,6 +73,14 @@ pub fn polar_chart(chart: &PolarChart, size: [u32; 2]) -> Result<Picture, PlotEr
 /// [`PlotError`].
 pub fn network_chart(chart: &NetworkChart, size: [u32; 2]) -> Result<Picture, PlotError> {
     canvas::painted(size, &chart.title, |canvas| network::draw(chart, canvas))
+}
+
+/// Pictures in rows of `columns`, each under its caption.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn captioned_sheet(tiles: &[Captioned], columns: usize) -> Result<Picture, PlotError> {
+    sheet::draw(tiles, columns)
 }
 
 #[cfg(test)]
