@@ -137,7 +137,8 @@ mod tests {
 
     #[test]
     fn the_room_of_a_day_is_that_of_the_last_change() {
-        let day = ShownDay { clip: ClipId(0), first: 4, changes: vec![(2.0, 5), (7.5, 6)], tracks: Vec::new() };
+        let day =
+            ShownDay { clip: ClipId(0), first: 4, changes: vec![(2.0, 5), (7.5, 6)], tracks: Vec::new() };
         assert_eq!([0.0, 1.9, 2.0, 7.4, 7.5, 90.0].map(|s| day.node_at(s)), [4, 4, 5, 5, 6, 6]);
     }
 }

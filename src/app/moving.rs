@@ -32,9 +32,9 @@ use crate::render::Cutaway;
 use crate::render::Film;
 use crate::render::Painter;
 use crate::render::PersonDraw;
+use crate::render::Picture;
 use crate::render::SceneDraw;
 use crate::render::Shown;
-use crate::render::Picture;
 use crate::render::clips_glb;
 use crate::render::moving_room_glb;
 use crate::scene::BETAS;
@@ -290,8 +290,7 @@ struct Show {
 impl Show {
     fn new(export: &MotionExport, surface: &Arc<BodySurface>, fps: f32) -> Self {
         let still = || vec![(0.0, export.scene.room.clone())];
-        let rooms =
-            if export.changes.rooms.is_empty() { still() } else { export.changes.rooms.clone() };
+        let rooms = if export.changes.rooms.is_empty() { still() } else { export.changes.rooms.clone() };
         let film = |(from_s, room)| (from_s, film(export, room, surface, fps));
         Self { films: rooms.into_iter().map(film).collect() }
     }

@@ -1197,7 +1197,11 @@ fn cancel_keeps_the_motion_as_it_is_so_far_within_200_ms_as_one_step() {
     assert!(begun.elapsed() < Duration::from_millis(200) && !user.state().jobs.moving());
     assert_eq!(user.clip().frames.len(), LEG + 1);
     user.waits(|state| !state.jobs.any_running());
-    assert_eq!(user.history(), ["Add sub-goal", "Add sub-goal", "Synthesise motion"], "one step, and no more comes");
+    assert_eq!(
+        user.history(),
+        ["Add sub-goal", "Add sub-goal", "Synthesise motion"],
+        "one step, and no more comes"
+    );
     user.presses(Modifiers::COMMAND, Key::Z);
     assert!(user.clip().frames.is_empty() && user.clip().goals.len() == 2, "the plan is there again");
     user.presses(Modifiers { shift: true, ..Modifiers::COMMAND }, Key::Z);

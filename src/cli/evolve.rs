@@ -1,8 +1,9 @@
 //! `inhabit evolve`: actions happen in a room, step by step, without a window.
 
 mod day;
-mod pictures;
+pub(super) mod pictures;
 mod report;
+mod views;
 
 use std::fs;
 use std::path::PathBuf;

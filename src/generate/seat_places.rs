@@ -99,7 +99,7 @@ fn edge_seat(
             armrest_above_seat_m: armrest(surface, outward),
             table_height_m: table.map(|t| t.height_m),
             table_reach_m: table.map(|t| t.reach_m),
-            lean: None,
+            ..FamilyHints::default()
         },
         on: name_of(category, "seat"),
         weight: inviting(category) * if wide == 2 { 1.0 } else { 0.3 },

@@ -28,6 +28,21 @@ impl Picture {
         let at = (y as usize * self.width as usize + x as usize) * 4;
         [self.rgba[at], self.rgba[at + 1], self.rgba[at + 2]]
     }
+
+    /// The same at half the size, each pixel the mean of four; an odd last column or row is left out.
+    #[must_use]
+    pub fn halved(&self) -> Self {
+        let [width, height] = [self.width / 2, self.height / 2];
+        let byte = |x: u32, y: u32, channel: u32| {
+            let at = |x: u32, y: u32| u32::from(self.rgba[((y * self.width + x) * 4 + channel) as usize]);
+            ((at(2 * x, 2 * y) + at(2 * x + 1, 2 * y) + at(2 * x, 2 * y + 1) + at(2 * x + 1, 2 * y + 1) + 2)
+                / 4) as u8
+        };
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let rgba = pixels.flat_map(|(x, y)| (0..4).map(move |channel| (x, y, channel)));
+        let rgba = rgba.map(|(x, y, channel)| byte(x, y, channel)).collect();
+        Self { width, height, rgba, backend: self.backend.clone() }
+    }
 }
 
 /// Draws `draw` as `camera` sees it and waits for the pixels.
@@ -87,4 +102,20 @@ fn read_back(
     waited.map_err(|e| refused(e.to_string()))?;
     let mapped = buffer.get_mapped_range(..).map_err(|e| refused(e.to_string()))?;
     Ok(mapped.chunks_exact(padded as usize).flat_map(|r| r[..row as usize].iter().copied()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Picture;
+
+    #[test]
+    fn half_a_picture_has_the_mean_of_four_pixels_each() {
+        let grey = |v: u8| [v, v, v, 255];
+        let rgba = [0, 10, 200, 99, 20, 30, 200, 99].map(grey).concat();
+        let picture = Picture { width: 4, height: 2, rgba, backend: "nobody".to_owned() };
+        let half = picture.halved();
+        assert_eq!([half.width, half.height], [2, 1]);
+        assert_eq!((half.pixel(0, 0), half.pixel(1, 0)), ([15; 3], [150; 3]));
+        assert!(half.rgba.chunks_exact(4).all(|p| p[3] == 255));
+    }
 }

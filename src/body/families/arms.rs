@@ -9,11 +9,11 @@ use super::chance::Chance;
 use super::figure::{Figure, Side, arm as arm_of};
 
 /// From the wrist to the middle of the palm.
-const PALM_M: f32 = 0.085;
+pub(super) const PALM_M: f32 = 0.085;
 /// Half the thickness of a thigh where hands rest on it, and of a hand.
 const THIGH_TOP_M: f32 = 0.078;
 /// From the wrist joint down to the skin of a palm.
-const HAND_HALF_THICKNESS_M: f32 = 0.022;
+pub(super) const HAND_HALF_THICKNESS_M: f32 = 0.022;
 /// From the hip joints down to the seat.
 pub(super) const HIP_ABOVE_SEAT_M: f32 = 0.09;
 
@@ -82,6 +82,11 @@ pub(super) fn place(figure: &mut Figure, side: Side, goal: ArmGoal, rng: &mut im
         figure.aim_hand(side, fingers, palm);
     }
     reach.shape
+}
+
+/// The shape of a hand laid on something.
+pub(super) fn resting(rng: &mut impl Chance) -> HandShape {
+    HandShape::resting(rng)
 }
 
 fn reach_of(figure: &Figure, side: Side, goal: ArmGoal, rng: &mut impl Chance) -> Reach {

@@ -5,6 +5,7 @@
 //! other and drawn again if they are. The same stream of random numbers gives the same pose.
 
 mod arms;
+mod attention;
 mod capsules;
 mod chance;
 mod figure;
@@ -23,6 +24,7 @@ use super::joints::{self, JOINTS};
 use super::pose_space::BodyPose;
 use super::posed::Body;
 
+pub use attention::{Attention, HandOn};
 pub(in crate::body) use chance::Chance;
 use figure::{Figure, Side};
 
@@ -39,6 +41,8 @@ pub struct FamilyHints {
     pub table_reach_m: Option<f32>,
     /// How a leaning person leans; drawn when not said.
     pub lean: Option<LeanStyle>,
+    /// What hands and eyes are on.
+    pub attention: Option<Attention>,
 }
 
 /// How somebody leans.
@@ -129,7 +133,12 @@ fn draw(
         PoseFamily::LieSide => lie::on_side(&mut figure, rng),
     };
     // People are not left-handed alike: half of all poses are mirrored.
-    if rng.chance(0.5) { (figure.mirrored(), [hands[1], hands[0]]) } else { (figure, hands) }
+    let (mut figure, mut hands) =
+        if rng.chance(0.5) { (figure.mirrored(), [hands[1], hands[0]]) } else { (figure, hands) };
+    if let Some(attention) = &hints.attention {
+        attention::attend(&mut figure, attention, &mut hands, rng);
+    }
+    (figure, hands)
 }
 
 /// Places both arms, left first.

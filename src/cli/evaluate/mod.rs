@@ -2,6 +2,7 @@
 
 mod charts;
 mod estimation;
+mod groups;
 mod motion;
 mod pose_prior;
 mod psi;
@@ -16,6 +17,8 @@ use super::Ended;
 pub enum Evaluate {
     /// Bodies from keypoints in pictures: SMPLify-X, PROX, and PROX with the scene's prior (PSI table 5).
     Estimation(estimation::EstimationArguments),
+    /// Groups at a table: what they share within everybody's reach, beside ADSE's baseline.
+    Groups(groups::GroupsArguments),
     /// Disturbed and randomly placed people before and after fitting, in any rooms (PSI table 3).
     Refine(refine::RefineArguments),
     /// The pose prior: errors on held-out clips, samples and interpolations as pictures.
@@ -34,6 +37,7 @@ pub enum Evaluate {
 pub fn run(subject: &Evaluate) -> anyhow::Result<Ended> {
     match subject {
         Evaluate::Estimation(arguments) => estimation::run(arguments),
+        Evaluate::Groups(arguments) => groups::run(arguments),
         Evaluate::Refine(arguments) => refine::run(arguments),
         Evaluate::PosePrior(arguments) => pose_prior::run(arguments),
         Evaluate::Psi(arguments) => psi::run(arguments),

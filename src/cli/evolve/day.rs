@@ -112,7 +112,8 @@ pub fn run(
 fn write_scene(folder: &OutputFolder, made: &Day) -> anyhow::Result<()> {
     let Some(last) = made.states.last() else { return Ok(()) };
     let room = last.room();
-    let motions: Vec<ObjectMotion> = made.tracks().iter().filter_map(|track| track.motion_in(&room)).collect();
+    let motions: Vec<ObjectMotion> =
+        made.tracks().iter().filter_map(|track| track.motion_in(&room)).collect();
     let surface = BodySurface::of(Body::bundled());
     let glb = moving_room_glb("a day", Some(&room), &motions, [&made.clip], &surface)?;
     folder.write("day.glb", &glb)?;

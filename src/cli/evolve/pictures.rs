@@ -1,86 +1,133 @@
-//! Pictures of an evolution: the whole room from two corners and the action from near by, after chosen steps.
+//! Pictures of an evolution: the whole room from two corners and the action from near by, after chosen steps, and all of
+//! them on one sheet.
 
 use std::sync::Arc;
 
-use glam::Vec3;
-
-use super::Shown;
+use super::{Shown, views};
 use crate::assets::encode_png;
 use crate::body::Body;
 use crate::cli::output::OutputFolder;
-use crate::evolve::action::{Evolution, StepPerson};
-use crate::render::{Backend, BodySurface, Cutaway, Painter, PersonDraw, SceneDraw, room_views};
-use crate::scene::{Camera, Scene};
+use crate::evolve::action::Evolution;
+use crate::render::plot::{Captioned, captioned_sheet};
+use crate::render::{Backend, BodySurface, Cutaway, Painter, PersonDraw, Picture, SceneDraw, room_views};
+use crate::scene::{Camera, Room, Scene};
 
-/// Size of the overview pictures.
-const ROOM_SIZE: [u32; 2] = [1280, 800];
-/// Size of the pictures of the action.
-const ACTION_SIZE: [u32; 2] = [960, 720];
-/// From what people do to the eye: metres ahead of them, aside, and above the place. Faces are seen best from ahead.
-const EYES_M: [[f32; 3]; 3] = [[1.5, 1.0, 0.95], [1.5, -1.0, 0.95], [-0.7, 1.1, 1.0]];
-/// Vertical field of view, radians.
-const FOV_Y: f32 = 0.95;
+/// Size of a picture.
+const SIZE: [u32; 2] = [1280, 800];
+/// Pictures of the action, from different sides.
+const VIEWS: usize = 2;
+/// The gallery has the room and the action of each shown state side by side.
+const COLUMNS: usize = 2;
 
-/// Draws every shown state into the folder; gives the name of what drew.
-pub fn take(folder: &OutputFolder, shown: &[Shown]) -> anyhow::Result<String> {
-    let painter = Painter::new(Backend::Auto)?;
-    let body = Body::bundled();
-    let surface = Arc::new(BodySurface::of(body));
-    for state in shown {
-        let number = state.evolution.steps().len();
-        let scene = Scene { room: Arc::new(state.evolution.room()), ..Scene::default() };
-        let mut draw = SceneDraw::of_room(&scene);
-        draw.body = Some(surface.clone());
-        let dressed = state.people.iter().map(|p| {
+/// Draws states of an evolution.
+pub struct Photographer {
+    painter: Painter,
+    surface: Arc<BodySurface>,
+}
+
+impl Photographer {
+    /// With whatever draws here.
+    ///
+    /// # Errors
+    /// None with the default backend: without an adapter the processor draws.
+    pub fn new() -> anyhow::Result<Self> {
+        Ok(Self {
+            painter: Painter::new(Backend::Auto)?,
+            surface: Arc::new(BodySurface::of(Body::bundled())),
+        })
+    }
+
+    /// The name of what draws, and why it had to stand in.
+    pub fn made_by(&self) -> String {
+        match self.painter.fallback_reason() {
+            Some(reason) => format!("{}, because {reason}", self.painter.backend()),
+            None => self.painter.backend().to_owned(),
+        }
+    }
+
+    /// The room of a state with its people.
+    fn scene(&self, room: &Arc<Room>, shown: &Shown) -> SceneDraw {
+        let body = Body::bundled();
+        let mut draw = SceneDraw::of_room(&Scene { room: room.clone(), ..Scene::default() });
+        draw.body = Some(self.surface.clone());
+        let dressed = shown.people.iter().map(|p| {
             PersonDraw::new(p.person.id, body.pose(&p.person.body).vertices.into(), p.person.palette)
         });
         draw.people = dressed.collect();
         draw.look.cutaway = Cutaway::Outside;
-        let save = |name: &str, camera: &Camera, size: [u32; 2]| -> anyhow::Result<()> {
-            let picture = painter.picture(&draw, camera, size)?;
-            let png = encode_png(picture.width, picture.height, &picture.rgba)?;
-            folder.write(&format!("pictures/{number:03}_{name}.png"), &png)?;
-            Ok(())
-        };
-        let aspect = ROOM_SIZE[0] as f32 / ROOM_SIZE[1] as f32;
-        for (i, camera) in room_views(&draw.room, aspect).iter().enumerate() {
-            save(&format!("room_{i}"), camera, ROOM_SIZE)?;
-        }
-        for (i, camera) in action_views(&state.evolution).iter().enumerate() {
-            save(&format!("action_{i}"), camera, ACTION_SIZE)?;
-        }
+        draw
     }
-    Ok(match painter.fallback_reason() {
-        Some(reason) => format!("{}, because {reason}", painter.backend()),
-        None => painter.backend().to_owned(),
-    })
+
+    /// The room from two corners.
+    ///
+    /// # Errors
+    /// When it can't be drawn.
+    fn rooms(&self, draw: &SceneDraw) -> anyhow::Result<Vec<Picture>> {
+        room_views(&draw.room, aspect()).iter().map(|camera| self.picture(draw, camera)).collect()
+    }
+
+    /// The last action, from where it is seen best.
+    ///
+    /// # Errors
+    /// When it can't be drawn.
+    pub fn action(&self, shown: &Shown, count: usize) -> anyhow::Result<Vec<Picture>> {
+        let room = Arc::new(shown.evolution.room());
+        let cameras = views::action_views(&shown.evolution, &room, &shown.people, aspect(), count);
+        let draw = self.scene(&room, shown);
+        cameras.iter().map(|camera| self.picture(&draw, camera)).collect()
+    }
+
+    fn picture(&self, draw: &SceneDraw, camera: &Camera) -> anyhow::Result<Picture> {
+        Ok(self.painter.picture(draw, camera, SIZE)?)
+    }
 }
 
-/// The action from the two places with the freest view.
-fn action_views(evolution: &Evolution) -> Vec<Camera> {
-    let Some(person) = evolution.steps().last().and_then(|s| s.people.first()) else { return Vec::new() };
-    let mut views: Vec<(f32, Camera)> = EYES_M.iter().map(|eye| view(evolution, person, *eye)).collect();
-    // From behind only where the others are blocked.
-    views.iter_mut().take(2).for_each(|v| v.0 += 0.5);
-    views.sort_by(|a, b| b.0.total_cmp(&a.0));
-    views.truncate(2);
-    views.into_iter().map(|(_, camera)| camera).collect()
+fn aspect() -> f32 {
+    SIZE[0] as f32 / SIZE[1] as f32
 }
 
-/// A view of what somebody does, pulled nearer until nothing of the room stands between; how far it can see.
-fn view(evolution: &Evolution, person: &StepPerson, [ahead, aside, above]: [f32; 3]) -> (f32, Camera) {
-    let (front, right) = (person.frame.front(), person.frame.right());
-    let flat = |v: glam::Vec2| Vec3::new(v.x, 0.0, v.y);
-    let target = person.frame.centre_m + flat(front) * 0.35;
-    let offset = flat(front) * (ahead - 0.35) + flat(right) * aside + Vec3::Y * above;
-    let reach_m = offset.length();
-    let direction = offset / reach_m;
-    let free_m = evolution
-        .stage()
-        .geometry
-        .bvh
-        .cast(target, direction, reach_m)
-        .map_or(reach_m, |h| h.distance_m - 0.1);
-    let eye = target + direction * free_m.max(0.6);
-    (free_m, Camera { eye, target, fov_y: FOV_Y, ortho_height_m: None })
+/// Writes a picture.
+///
+/// # Errors
+/// When the file can't be written.
+pub fn save(folder: &OutputFolder, name: &str, picture: &Picture) -> anyhow::Result<()> {
+    let png = encode_png(picture.width, picture.height, &picture.rgba)?;
+    folder.write(&format!("pictures/{name}.png"), &png)?;
+    Ok(())
+}
+
+/// Draws every shown state into the folder; gives the name of what drew.
+pub fn take(folder: &OutputFolder, shown: &[Shown]) -> anyhow::Result<String> {
+    let photographer = Photographer::new()?;
+    let mut gallery = Vec::new();
+    for state in shown {
+        let number = state.evolution.steps().len();
+        let draw = photographer.scene(&Arc::new(state.evolution.room()), state);
+        let rooms = photographer.rooms(&draw)?;
+        let actions = photographer.action(state, VIEWS)?;
+        for (kind, pictures) in [("room", &rooms), ("action", &actions)] {
+            for (i, picture) in pictures.iter().enumerate() {
+                save(folder, &format!("{number:03}_{kind}_{i}"), picture)?;
+            }
+        }
+        gallery.extend(rooms.first().map(|picture| tile(after(number), picture)));
+        gallery.extend(actions.first().map(|picture| tile(last_action(&state.evolution), picture)));
+    }
+    if !gallery.is_empty() {
+        save(folder, "gallery", &captioned_sheet(&gallery, COLUMNS)?)?;
+    }
+    Ok(photographer.made_by())
+}
+
+fn after(actions: usize) -> String {
+    if actions == 1 { "after 1 action".to_owned() } else { format!("after {actions} actions") }
+}
+
+fn last_action(evolution: &Evolution) -> String {
+    evolution.steps().last().map_or_else(String::new, |step| step.action.clone())
+}
+
+/// A picture of half the size.
+fn tile(caption: String, picture: &Picture) -> Captioned {
+    Captioned { caption, picture: picture.halved() }
 }

@@ -19,9 +19,7 @@ use super::{Common, Ended, use_threads};
 use crate::assets;
 use crate::body::{self, Body};
 use crate::document::{Project, save_project};
-use crate::evolve::journey::{
-    Journey, JourneyPreview, JourneyRequest, MotionMethod, journey, seed_of, tour,
-};
+use crate::evolve::journey::{Journey, JourneyPreview, JourneyRequest, MotionMethod, journey, seed_of, tour};
 use crate::job::{JobCtx, Seed, Stop, Ticker};
 use crate::motion::retrieval::MotionMemory;
 use crate::render::{BodySurface, clips_glb};

@@ -39,7 +39,8 @@ impl Grid {
 
 /// The sheet.
 pub fn draw(tiles: &[Captioned], columns: usize) -> Result<Picture, PlotError> {
-    let largest = |side: fn(&Picture) -> u32| tiles.iter().map(|t| side(&t.picture)).max().unwrap_or(0) as usize;
+    let largest =
+        |side: fn(&Picture) -> u32| tiles.iter().map(|t| side(&t.picture)).max().unwrap_or(0) as usize;
     let grid = Grid {
         columns: columns.clamp(1, tiles.len().max(1)),
         tile: [largest(|p| p.width), largest(|p| p.height)],
@@ -86,7 +87,9 @@ mod tests {
         let count = |grey: u8| sheet.rgba.chunks_exact(4).filter(|p| p[..3] == [grey; 3]).count();
         assert_eq!([count(10), count(20), count(30)], [200 * 90, 200 * 90, 180 * 90]);
         let inked = |rows: std::ops::Range<u32>| {
-            rows.flat_map(|y| (0..sheet.width).map(move |x| (x, y))).filter(|(x, y)| sheet.pixel(*x, *y)[0] < 120).count()
+            rows.flat_map(|y| (0..sheet.width).map(move |x| (x, y)))
+                .filter(|(x, y)| sheet.pixel(*x, *y)[0] < 120)
+                .count()
         };
         assert!(inked(0..30) > 40, "the captions of the first row can be read");
         assert_eq!(sheet.pixel(5, 30), [10; 3]);

@@ -9,10 +9,11 @@ use std::f32::consts::FRAC_1_SQRT_2;
 use glam::Vec3;
 use rand_distr::{Distribution as _, StandardNormal};
 
+use super::attend::attention;
 use super::evolution::Evolution;
 use super::step::{EvolutionStep, StepPerson};
 use super::world::Item;
-use crate::body::Body;
+use crate::body::{Attention, Body};
 use crate::fit::{FitConfig, Fitter, Surroundings};
 use crate::generate::settle_person;
 use crate::inspect::{BodyReport, Finding, Limits, Site, inspect_body};
@@ -65,11 +66,14 @@ pub fn embody_as(
         let geometry = geometry_around(evolution, step, person);
         let id = first_id + number as u32;
         let seed = evolution.seed_of(step.number).child("body", number as u64);
+        let attention = attention(evolution, step, number);
         let mut best: Option<(f32, Embodied)> = None;
         for attempt in 0..TRIES {
             let seed = seed.child("try", attempt);
             let betas = betas.copied().unwrap_or_else(|| drawn_shape(seed));
-            let task = Task { geometry: &geometry, person, id, betas };
+            // Hands that get into something on their way are left to the family at last.
+            let attention = attention.filter(|_| attempt + 1 < TRIES);
+            let task = Task { geometry: &geometry, person, id, betas, attention };
             let fitted = task.fit(seed, attempt == 0, ticker)?;
             let badness = fitted.findings.iter().map(Finding::severity).sum::<f32>();
             if best.as_ref().is_none_or(|(least, _)| badness < *least) {
@@ -100,13 +104,15 @@ struct Task<'a> {
     person: &'a StepPerson,
     id: u32,
     betas: [f32; BETAS],
+    attention: Option<Attention>,
 }
 
 impl Task<'_> {
     fn fit(&self, seed: Seed, exactly: bool, ticker: &Ticker) -> Result<Embodied, Cancelled> {
         let (body, geometry, person, id) = (Body::bundled(), self.geometry, self.person, self.id);
-        let start =
-            settle_person(body, geometry, &person.place, &self.betas, exactly, seed.child("pose", 0)).params;
+        let mut place = person.place.clone();
+        place.hints.attention = self.attention;
+        let start = settle_person(body, geometry, &place, &self.betas, exactly, seed.child("pose", 0)).params;
         let around = Surroundings::new(geometry, Aabb::of(body.pose(&start).vertices));
         let fitter = Fitter::new(body);
         let fitted =

@@ -13,6 +13,7 @@
 //! ```
 
 mod active;
+mod attend;
 mod away;
 mod chair;
 mod embody;
