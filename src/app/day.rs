@@ -9,6 +9,7 @@ use super::living::LifeNode;
 use super::state::EditorState;
 use crate::document::Command;
 use crate::document::RoomVersion;
+use crate::evolve::day::Moment;
 use crate::evolve::day::Track;
 use crate::job::{Job, JobCtx, Seed};
 use crate::scene::Clip;
@@ -26,6 +27,8 @@ pub struct ShownDay {
     changes: Vec<(f32, usize)>,
     /// How things come and move.
     tracks: Vec<Track>,
+    /// What is done when.
+    pub moments: Vec<Moment>,
 }
 
 impl ShownDay {
@@ -33,6 +36,13 @@ impl ShownDay {
     fn node_at(&self, seconds: f32) -> usize {
         let begun = self.changes.iter().take_while(|(from_s, _)| *from_s <= seconds);
         begun.last().map_or(self.first, |(_, node)| *node)
+    }
+
+    /// What is done at a time, in words; nothing on the way.
+    pub fn told_at(&self, seconds: f32) -> Option<String> {
+        let now = self.moments.iter().find(|m| (m.arrives_s..=m.leaves_s).contains(&seconds))?;
+        let (action, key) = (&now.action, &now.key);
+        Some(format!("{action}, at {key}: {:.1} to {:.1} s", now.arrives_s, now.leaves_s))
     }
 }
 
@@ -42,9 +52,18 @@ pub struct RoomIsAnother;
 
 /// A day that is being made.
 pub(super) struct LivingDay {
-    pub job: Job<LivedDay>,
+    pub job: Job<LivedDay, LivedDay>,
     from: usize,
     version: RoomVersion,
+    newest: Option<LivedDay>,
+}
+
+impl LivingDay {
+    /// Whether there is a day so far, that a stop would keep.
+    #[cfg(test)]
+    pub fn has_begun(&self) -> bool {
+        self.newest.is_some()
+    }
 }
 
 impl EditorState {
@@ -60,15 +79,16 @@ impl EditorState {
         let locked: Vec<ObjectId> = objects.filter(|o| o.locked).map(|o| o.id).collect();
         let start = self.living.tree[from].lived.decided(&self.living.choice, &locked);
         let actions = self.living.count.max(1);
-        let work = move |cx: &JobCtx| start.day(actions, cx);
+        let work = move |cx: &JobCtx<LivedDay>| start.day(actions, cx);
         let job = Job::spawn("A day in this room", Seed::root(self.living.seed), self.waker(), work);
-        self.jobs.day = Some(LivingDay { job, from, version: self.document.room_version() });
+        self.jobs.day = Some(LivingDay { job, from, version: self.document.room_version(), newest: None });
     }
 
     pub(super) fn poll_day(&mut self) {
         let Some(living) = &mut self.jobs.day else { return };
+        living.newest = living.job.take_preview().or(living.newest.take());
         let Some(outcome) = living.job.poll() else { return };
-        let Some(LivingDay { job, from, version }) = self.jobs.day.take() else { return };
+        let Some(LivingDay { job, from, version, .. }) = self.jobs.day.take() else { return };
         let Some(day) = self.taken(job.name(), outcome) else { return };
         if version != self.document.room_version() {
             return self.notices.warning("The room was changed while this was done, so it no longer fits.");
@@ -80,14 +100,25 @@ impl EditorState {
         self.take_in_day(day, from);
     }
 
+    /// Lets go of the job; the day as far as it has come stays, as one step.
+    pub(super) fn stop_day(&mut self) {
+        let Some(LivingDay { job, from, version, newest }) = self.jobs.day.take() else { return };
+        job.cancel();
+        let so_far = job.take_preview().or(newest).filter(|_| version == self.document.room_version());
+        let Some(day) = so_far else { return self.notices.info("Cancelled. Nothing was changed.") };
+        let kept = day.states.len();
+        self.take_in_day(day, from);
+        self.notices.info(format!("Cancelled. The day up to its action {kept} is kept; undo takes it back."));
+    }
+
     /// The states join the tree, the room becomes the last one and the motion is added: one step.
     fn take_in_day(&mut self, day: LivedDay, from: usize) {
         let mut parent = from;
         let mut changes = Vec::new();
-        for (lived, from_s) in day.states.into_iter().zip(day.changes_s) {
+        for (lived, moment) in day.states.into_iter().zip(&day.moments) {
             self.living.tree.push(LifeNode::of_day(parent, lived));
             parent = self.living.tree.len() - 1;
-            changes.push((from_s, parent));
+            changes.push((moment.changes_s, parent));
         }
         let clip = ClipId(self.document.next_clip());
         self.document.begin("A day in this room");
@@ -96,7 +127,8 @@ impl EditorState {
         let clips = vec![Clip { id: clip, name, palette: clip.0, locked: true, ..day.clip }];
         self.apply(Command::AddClips { clips, made_for: None });
         self.document.commit();
-        self.living.day = Some(ShownDay { clip, first: from, changes, tracks: day.tracks });
+        self.living.day =
+            Some(ShownDay { clip, first: from, changes, tracks: day.tracks, moments: day.moments });
         self.activate_clip(clip);
         self.motion.player.seconds = 0.0;
         self.motion.player.playing = true;
@@ -125,9 +157,14 @@ impl EditorState {
         Ok(RoomChanges { tracks: day.tracks.clone(), rooms: states.filter_map(state).collect() })
     }
 
+    /// The day that a motion is, if it is one.
+    pub fn day_of(&self, clip: ClipId) -> Option<&ShownDay> {
+        self.living.day.as_ref().filter(|day| day.clip == clip)
+    }
+
     /// Whether a motion is a day: its room changes under it, so that it can't be measured against one room.
     pub(super) fn is_day(&self, clip: &Arc<Clip>) -> bool {
-        self.living.day.as_ref().is_some_and(|day| day.clip == clip.id)
+        self.day_of(clip.id).is_some()
     }
 }
 
@@ -137,8 +174,8 @@ mod tests {
 
     #[test]
     fn the_room_of_a_day_is_that_of_the_last_change() {
-        let day =
-            ShownDay { clip: ClipId(0), first: 4, changes: vec![(2.0, 5), (7.5, 6)], tracks: Vec::new() };
+        let changes = vec![(2.0, 5), (7.5, 6)];
+        let day = ShownDay { clip: ClipId(0), first: 4, changes, tracks: Vec::new(), moments: Vec::new() };
         assert_eq!([0.0, 1.9, 2.0, 7.4, 7.5, 90.0].map(|s| day.node_at(s)), [4, 4, 5, 5, 6, 6]);
     }
 }

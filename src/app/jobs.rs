@@ -474,10 +474,8 @@ impl EditorState {
             }
             JobKind::ExportMotion => self.jobs.exporting_motion = None,
             JobKind::Act if self.jobs.acting.is_some() => return self.stop_acting(),
-            JobKind::Act => {
-                self.jobs.looking = None;
-                self.jobs.day = None;
-            }
+            JobKind::Act if self.jobs.day.is_some() => return self.stop_day(),
+            JobKind::Act => self.jobs.looking = None,
             JobKind::Things => {
                 self.jobs.things.pictures = None;
                 if self.jobs.things.reading.take().is_some() {

@@ -20,7 +20,7 @@ use crate::evolve::action::StepPerson;
 use crate::evolve::action::Suggestion;
 use crate::evolve::action::Verdict;
 use crate::evolve::action::embody;
-use crate::evolve::day::{DayRequest, Track, day};
+use crate::evolve::day::{Day, DayRequest, Moment, Track, day};
 use crate::inspect::BodyReport;
 use crate::job::{Cancelled, JobCtx, Seed, Stop, Ticker};
 use crate::scene::Clip;
@@ -106,13 +106,14 @@ pub struct ActionStep {
 }
 
 /// A day in a room: one person's motion, and how the room changes on the way.
+#[derive(Clone)]
 pub struct LivedDay {
     /// The motion; its numbers mean nothing.
     pub clip: Clip,
     /// The room after each action.
     pub states: Vec<Arc<dyn LivedRoom>>,
-    /// When each begins to show, seconds.
-    pub changes_s: Vec<f32>,
+    /// What was done when, one for each state.
+    pub moments: Vec<Moment>,
     /// How things come and move, in the last state's room.
     pub tracks: Vec<Track>,
     /// Actions that could not be done or walked to, and why.
@@ -147,11 +148,11 @@ pub trait LivedRoom: Send + Sync {
     /// # Errors
     /// Cancelled.
     fn fitted_people(&self, first_id: u32, ticker: &Ticker) -> Result<Vec<(Person, BodyReport)>, Cancelled>;
-    /// Somebody goes from action to action, so many of them, from this room on.
+    /// Somebody goes from action to action, so many of them, from this room on; previews are the day so far.
     ///
     /// # Errors
     /// Why nothing can be done or walked to; or cancelled.
-    fn day(&self, actions: usize, cx: &JobCtx) -> Result<LivedDay, Stop>;
+    fn day(&self, actions: usize, cx: &JobCtx<LivedDay>) -> Result<LivedDay, Stop>;
 }
 
 /// The room as it really is.
@@ -251,17 +252,20 @@ impl LivedRoom for Real {
         Ok(embodied.into_iter().map(|one| (one.person, one.report)).collect())
     }
 
-    fn day(&self, actions: usize, cx: &JobCtx) -> Result<LivedDay, Stop> {
+    fn day(&self, actions: usize, cx: &JobCtx<LivedDay>) -> Result<LivedDay, Stop> {
         let request = DayRequest { actions, ..DayRequest::default() };
-        let made = day(&self.0, &request, &JobCtx::watched(cx.seed, cx.ticker().clone()))?;
-        let state = |state| Arc::new(Self(state)) as Arc<dyn LivedRoom>;
-        Ok(LivedDay {
-            tracks: made.tracks(),
-            clip: made.clip,
-            states: made.states.into_iter().skip(1).map(state).collect(),
-            changes_s: made.moments.iter().map(|moment| moment.changes_s).collect(),
-            refused: made.refused,
-        })
+        Ok(of_day(day(&self.0, &request, &cx.mapped(of_day))?))
+    }
+}
+
+fn of_day(made: Day) -> LivedDay {
+    let state = |state| Arc::new(Real(state)) as Arc<dyn LivedRoom>;
+    LivedDay {
+        tracks: made.tracks(),
+        clip: made.clip,
+        states: made.states.into_iter().skip(1).map(state).collect(),
+        moments: made.moments,
+        refused: made.refused,
     }
 }
 

@@ -29,7 +29,7 @@ use crate::body::Body;
 use crate::document::{Command, Project};
 use crate::evolve::PopulatePreview;
 use crate::evolve::action::{Off, Suggestion, Verdict};
-use crate::evolve::day::{Place, Track};
+use crate::evolve::day::{Moment, Place, Track};
 use crate::generate::sensor::{Intrinsics, SIDE, SceneImage, Valid, View};
 use crate::inspect::{BodyReport, FrameRecord, MotionReport};
 use crate::job::{Cancelled, JobCtx, Seed, Stop, Ticker};
@@ -145,7 +145,15 @@ impl LivedRoom for FakeLife {
         vec![somebody(first_id)]
     }
 
-    fn day(&self, actions: usize, _: &JobCtx) -> Result<LivedDay, Stop> {
+    fn day(&self, actions: usize, cx: &JobCtx<LivedDay>) -> Result<LivedDay, Stop> {
+        if self.slow && actions > 1 {
+            let first = self.day(1, cx)?;
+            loop {
+                cx.preview(first.clone());
+                cx.step(0, 0)?;
+                std::thread::sleep(Duration::from_millis(2));
+            }
+        }
         let mut states: Vec<Arc<dyn LivedRoom>> = Vec::new();
         for action in 0..actions {
             let last: &dyn LivedRoom = states.last().map_or(self, |state| state.as_ref());
@@ -154,7 +162,16 @@ impl LivedRoom for FakeLife {
         let frames = vec![Frame::default(); 30 * actions + 1];
         let planted = vec![[true, true]; frames.len()];
         let clip = Clip { frames, planted, ..Clip::default() };
-        let changes_s = (0..actions).map(|action| action as f32 + 0.5).collect();
+        let moment = |action: usize| Moment {
+            step: action + 1,
+            action: self.suggestions()[action % 2].action.clone(),
+            key: "Red sofa".to_owned(),
+            changes_s: action as f32 + 0.5,
+            arrives_s: action as f32 + 0.6,
+            leaves_s: action as f32 + 0.9,
+            walked: true,
+        };
+        let moments = (0..actions).map(moment).collect();
         let came = |id: usize| Track {
             object: ObjectId(id as u32),
             places: vec![Place { at_s: 0.5, at_m: Vec3::ZERO, rotation: glam::Quat::IDENTITY }],
@@ -162,7 +179,7 @@ impl LivedRoom for FakeLife {
         };
         let there = self.room.objects.len();
         let tracks = (there..there + actions).map(came).collect();
-        Ok(LivedDay { clip, states, changes_s, tracks, refused: Vec::new() })
+        Ok(LivedDay { clip, states, moments, tracks, refused: Vec::new() })
     }
 
     fn fitted_people(&self, first: u32, ticker: &Ticker) -> Result<Vec<(Person, BodyReport)>, Cancelled> {
@@ -1652,6 +1669,23 @@ fn a_day_is_one_motion_one_step_and_the_room_changes_as_it_plays() {
         user.state().life_scene(now).map(|(room, _)| room.objects.len()).unwrap()
     };
     assert_eq!([0.0, 1.0, 1.9].map(|seconds| objects(&mut user, seconds)), [2, 3, 4]);
+    user.presses(Modifiers::COMMAND, Key::Z);
+    assert_eq!((user.objects().len(), user.state().document.scene().clips.len()), (2, 0));
+}
+
+#[test]
+fn a_day_that_is_stopped_is_kept_as_far_as_it_has_come_as_one_step() {
+    let mut user = User::opens_the_study();
+    *user.engine.making.lock().unwrap() = Making::Endless;
+    user.looks_for_actions();
+    user.state().living.count = 3;
+    user.state().start_day();
+    user.waits(|state| state.jobs.day.as_ref().is_some_and(super::day::LivingDay::has_begun));
+    user.harness.get_by_label("Stop and keep").click();
+    user.sees();
+    assert!(!user.state().is_living());
+    assert_eq!(user.history(), ["A day in this room"]);
+    assert_eq!(user.objects(), ["Oak floor", "Red sofa", "book"], "the first action of three");
     user.presses(Modifiers::COMMAND, Key::Z);
     assert_eq!((user.objects().len(), user.state().document.scene().clips.len()), (2, 0));
 }

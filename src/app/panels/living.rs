@@ -46,7 +46,8 @@ fn head(ui: &mut Ui, state: &mut EditorState, now: Option<usize>) {
     let palette = theme::palette(ui.visuals());
     let size = [ui.available_width(), 32.0];
     if state.is_living() {
-        let text = if state.jobs.acting.is_some() { "Stop and keep" } else { "Cancel" };
+        let keeps = state.jobs.acting.is_some() || state.jobs.day.is_some();
+        let text = if keeps { "Stop and keep" } else { "Cancel" };
         if ui.add_sized(size, Button::new(text)).clicked() {
             state.cancel(JobKind::Act);
         }
@@ -161,8 +162,11 @@ fn suggestions(ui: &mut Ui, state: &mut EditorState, now: usize) {
     let (first, rest) = suggestions.split_at(suggestions.len().min(FIRST));
     rows(ui, state, first, most);
     if !rest.is_empty() {
-        let title = format!("Less probable ({})", rest.len());
-        CollapsingHeader::new(title).id_salt("less probable").show(ui, |ui| rows(ui, state, rest, most));
+        let as_probable = rest.first().zip(first.last()).is_some_and(|(a, b)| a.probability == b.probability);
+        let title = if as_probable { "As probable and less" } else { "Less probable" };
+        CollapsingHeader::new(format!("{title} ({})", rest.len()))
+            .id_salt("less probable")
+            .show(ui, |ui| rows(ui, state, rest, most));
     }
 }
 
@@ -193,7 +197,7 @@ fn suggestion_row(ui: &mut Ui, suggestion: &Suggestion, most: f64, enabled: bool
     let font = egui::FontId::proportional(12.5);
     let mut job =
         egui::text::LayoutJob::simple_singleline(suggestion.action.clone(), font, visuals.text_color());
-    job.wrap = egui::text::TextWrapping::truncate_at_width(rect.width() - 52.0);
+    job.wrap = egui::text::TextWrapping::truncate_at_width(rect.width() - 62.0);
     let galley = painter.layout_job(job);
     let left = rect.left_center() + vec2(6.0, -0.5 * galley.size().y);
     painter.galley(left, galley, visuals.text_color());

@@ -9,6 +9,7 @@ use egui::{
 
 use super::{command_button, empty};
 use crate::app::actions;
+use crate::app::day::ShownDay;
 use crate::app::motion::SPEEDS;
 use crate::app::selection::Item;
 use crate::app::state::EditorState;
@@ -27,6 +28,8 @@ const GOALS: f32 = 20.0;
 const LEGS: f32 = 13.0;
 const STRIP: f32 = 8.0;
 const GAP: f32 = 2.0;
+/// What the colours mean is left out where there is less room for it than this, points.
+const LEGEND: f32 = 215.0;
 /// Height of the ruler.
 const RULER: f32 = 18.0;
 
@@ -105,7 +108,9 @@ fn transport(ui: &mut Ui, state: &mut EditorState) {
             .labelled_by(label.id);
         ui.checkbox(&mut state.motion.player.looping, "Loop");
         command_button(ui, state, "insert-goal");
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| legend(ui));
+        if ui.available_width() > LEGEND {
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| legend(ui));
+        }
     });
 }
 
@@ -181,7 +186,9 @@ fn track(ui: &mut Ui, state: &mut EditorState, scale: &Scale, clip: &Arc<Clip>) 
     let report = state.clip_report(clip).cloned();
     press(state, scale, clip, rect, &response);
     if let Some(at) = response.hover_pos().filter(|at| at.x > scale.left) {
-        let text = told(clip, report.as_deref(), scale.seconds(at.x));
+        let seconds = scale.seconds(at.x);
+        let told_of_day = state.day_of(clip.id).and_then(|day| day.told_at(seconds));
+        let text = told_of_day.unwrap_or_else(|| told(clip, report.as_deref(), seconds));
         response.clone().on_hover_text_at_pointer(text);
     }
     if !ui.is_rect_visible(rect) {
@@ -194,7 +201,10 @@ fn track(ui: &mut Ui, state: &mut EditorState, scale: &Scale, clip: &Arc<Clip>) 
     let title = if active { format!("> {}", clip.name) } else { clip.name.clone() };
     goals(ui, state, clip, rows.next(GOALS), scale, palette);
     names(ui, rect, &title, ui.visuals().strong_text_color());
-    legs(ui, clip, rows.next(LEGS), scale, palette);
+    match state.day_of(clip.id) {
+        Some(day) => actions_of_day(ui, day, rows.next(LEGS), scale, palette),
+        None => legs(ui, clip, rows.next(LEGS), scale, palette),
+    }
     feet(ui, clip, [rows.next(STRIP), rows.next(STRIP)], scale);
     let strips =
         [("sinks in", rows.next(STRIP)), ("slides", rows.next(STRIP)), ("touches", rows.next(STRIP))];
@@ -303,6 +313,22 @@ fn legs(ui: &Ui, clip: &Clip, area: Rect, scale: &Scale, palette: &Palette) {
             let color = ui.visuals().text_color();
             painter.text(span.center(), Align2::CENTER_CENTER, text, FontId::proportional(9.5), color);
         }
+    }
+}
+
+/// When a day's actions are done.
+fn actions_of_day(ui: &Ui, day: &ShownDay, area: Rect, scale: &Scale, palette: &Palette) {
+    row_name(ui, area.left() - NAMES, area, "actions");
+    for moment in &day.moments {
+        let span = Rect::from_min_max(
+            pos2(scale.x(moment.arrives_s), area.top()),
+            pos2(scale.x(moment.leaves_s) - 1.0, area.bottom()),
+        );
+        let painter = ui.painter().with_clip_rect(span);
+        painter.rect_filled(span, 2.0, palette.accent.gamma_multiply(0.45));
+        let font = FontId::proportional(9.5);
+        let left = span.left_center() + vec2(3.0, 0.0);
+        painter.text(left, Align2::LEFT_CENTER, &moment.action, font, ui.visuals().text_color());
     }
 }
 

@@ -36,7 +36,7 @@ const STEP: f32 = 0.06;
 const COMFORT: f32 = 0.97;
 /// A head turns and nods this far in comfort, radians.
 const MOST_TURN: f32 = 1.0;
-const NOD: std::ops::RangeInclusive<f32> = -0.35..=0.7;
+const NOD: std::ops::RangeInclusive<f32> = -0.35..=0.5;
 
 /// Moves hands and head to where they are wanted, as far as arms and neck go.
 pub(super) fn attend(

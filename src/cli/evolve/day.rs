@@ -88,8 +88,7 @@ pub fn run(
         let stage = Arc::new(Stage::new(room, Library::bundled(), cx.ticker())?);
         let mut start = Evolution::new(stage, model, config, cx.seed);
         locked.iter().for_each(|id| start.lock(*id, true));
-        let watched = JobCtx::watched(cx.seed, cx.ticker().clone());
-        day(&start, &request, &watched)
+        day(&start, &request, &JobCtx::watched(cx.seed, cx.ticker().clone()))
     };
     let root = Seed::root(arguments.common.seed);
     let Some(made) = run_job("day", root, arguments.common.quiet, work)? else {

@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::body::Body;
-use crate::evolve::action::{Embodied, Evolution, EvolutionStep};
+use crate::body::{Body, Posed, joints};
+use crate::evolve::action::{Embodied, Evolution, EvolutionStep, MoveReason};
 use crate::math::Aabb;
 use crate::render::frame_bounds;
 use crate::scene::{Camera, Category, Object, ObjectId, Room, TriangleBvh};
@@ -11,7 +11,7 @@ use crate::scene::{Camera, Category, Object, ObjectId, Room, TriangleBvh};
 /// Points of a body that should be seen.
 const SAMPLES: usize = 64;
 /// Things farther than this from everybody are no part of the picture, metres.
-const AT_HAND_M: f32 = 1.6;
+const AT_HAND_M: f32 = 0.9;
 /// A thing's own depth: what is nearer than this to a point of it does not hide it.
 const OWN_DEPTH_M: f32 = 0.05;
 /// A camera stands at least this far from walls and furniture, metres.
@@ -22,11 +22,14 @@ const APART: f32 = 1.3;
 const ELEVATIONS: [f32; 4] = [0.2, 0.42, 0.64, 0.86];
 /// Vertical fields of view: of a 35 mm lens, and of the wide one that narrow rooms need.
 const FIELDS_OF_VIEW: [f32; 2] = [0.66, 0.95];
-/// What a view is worth: people that are seen, things that are seen, their fronts, and against it steepness and width.
-const WORTH: Worth = Worth { people: 0.5, things: 0.35, fronts: 0.2, steep: 0.1, wide: 0.15 };
+/// What a view is worth: people, heads and things that are seen, fronts, and against it steepness and width.
+const WORTH: Worth = Worth { people: 0.35, heads: 0.3, things: 0.35, fronts: 0.2, steep: 0.1, wide: 0.15 };
+/// Points of a head are so far from its joint, metres.
+const HEAD_M: f32 = 0.13;
 
 struct Worth {
     people: f32,
+    heads: f32,
     things: f32,
     fronts: f32,
     steep: f32,
@@ -36,6 +39,7 @@ struct Worth {
 /// What a picture of an action has to show.
 struct Subject {
     people: Vec<Vec3>,
+    heads: Vec<Vec3>,
     things: Vec<Vec3>,
     fronts: Vec<Vec2>,
 }
@@ -94,15 +98,17 @@ impl Subject {
     /// The step's people, as they were fitted or else as they were meant, and what they touch.
     fn of(evolution: &Evolution, step: &EvolutionStep, people: &[Embodied]) -> Self {
         let body = Body::bundled();
-        let pose = |params| body.pose(params).vertices;
-        let bodies: Vec<Vec<Vec3>> = match people {
+        let pose = |params| body.pose(params);
+        let bodies: Vec<Posed> = match people {
             [] => step.people.iter().map(|p| pose(&p.body)).collect(),
             fitted => fitted.iter().map(|p| pose(&p.person.body)).collect(),
         };
-        let sampled = |vertices: &Vec<Vec3>| {
-            let every = (vertices.len() / SAMPLES).max(1);
-            vertices.iter().copied().step_by(every).collect::<Vec<_>>()
+        let sampled = |posed: &Posed| {
+            let every = (posed.vertices.len() / SAMPLES).max(1);
+            posed.vertices.iter().copied().step_by(every).collect::<Vec<_>>()
         };
+        let around = [Vec3::ZERO, Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::Z, Vec3::NEG_Z];
+        let head = |posed: &Posed| around.map(|way| posed.joints[joints::HEAD] + way * HEAD_M);
         let near = |bounds: &Aabb| {
             let at = bounds.center();
             step.people.iter().any(|p| p.frame.centre_m.distance(at) < AT_HAND_M)
@@ -110,6 +116,7 @@ impl Subject {
         let boxes = touched(step).filter_map(|id| evolution.world().item(id)).map(|item| item.bounds);
         Self {
             people: bodies.iter().flat_map(sampled).collect(),
+            heads: bodies.iter().flat_map(head).collect(),
             things: boxes.filter(near).flat_map(|bounds| top(&bounds)).collect(),
             fronts: step.people.iter().map(|p| p.frame.front()).collect(),
         }
@@ -122,14 +129,15 @@ impl Subject {
         let to_eye = Vec2::new(to_eye.x, to_eye.z).normalize_or_zero();
         let fronts = self.fronts.iter().map(|front| front.dot(to_eye)).sum::<f32>();
         let fronts = fronts / self.fronts.len().max(1) as f32;
-        WORTH.people * people + WORTH.things * things + WORTH.fronts * fronts
+        let heads = screens.seen(camera, &self.heads);
+        WORTH.people * people + WORTH.heads * heads + WORTH.things * things + WORTH.fronts * fronts
     }
 }
 
-/// Everything that an action brought, moved or used.
+/// Everything that an action brought or moved in order to use it.
 fn touched(step: &EvolutionStep) -> impl Iterator<Item = ObjectId> + '_ {
-    let brought = step.inserted.iter().map(|thing| thing.id);
-    brought.chain(step.moved.iter().map(|thing| thing.id)).chain(step.used.iter().copied())
+    let used = step.moved.iter().filter(|thing| thing.why == MoveReason::Used);
+    step.inserted.iter().map(|thing| thing.id).chain(used.map(|thing| thing.id))
 }
 
 /// Points of a thing's upper side.

@@ -10,8 +10,6 @@ mod tests;
 mod track;
 mod walk;
 
-use std::sync::Arc;
-
 pub use self::track::{Place, Track};
 use self::walk::{At, Walker};
 use crate::evolve::action::{ActionKind, Evolution, EvolutionConfig, embody_as};
@@ -73,17 +71,6 @@ pub struct Day {
     pub refused: Vec<String>,
 }
 
-/// The day so far; plays as it is.
-#[derive(Clone)]
-pub struct DayPreview {
-    /// The motion.
-    pub clip: Arc<Clip>,
-    /// What was done when.
-    pub moments: Vec<Moment>,
-    /// The room after the last of them.
-    pub evolution: Evolution,
-}
-
 impl Day {
     /// The room's state at a time: changes count from when they begin.
     pub fn state_at(&self, seconds: f32) -> &Evolution {
@@ -97,14 +84,14 @@ impl Day {
     }
 }
 
-/// Lets somebody live in the room for some actions.
+/// Lets somebody live in the room for some actions. Previews are the day as far as it has come.
 ///
 /// # Errors
 /// [`Stop::Cancelled`] when the user cancelled; [`Stop::Failed`] when there is nowhere to stand, or no action can be
 /// done and walked to. A day that ends early says why in [`Day::refused`].
-pub fn day(start: &Evolution, request: &DayRequest, cx: &JobCtx<DayPreview>) -> Result<Day, Stop> {
+pub fn day(start: &Evolution, request: &DayRequest, cx: &JobCtx<Day>) -> Result<Day, Stop> {
     let start = alone(start);
-    cx.stage("a day in this room", request.actions)?;
+    cx.stage("from action to action", request.actions)?;
     let mut walker = Walker::new(&start, request, cx)?;
     let mut day = Day { clip: walker.clip(), moments: Vec::new(), states: vec![start], refused: Vec::new() };
     let mut refusals = 0;
@@ -117,7 +104,7 @@ pub fn day(start: &Evolution, request: &DayRequest, cx: &JobCtx<DayPreview>) -> 
                 day.moments.push(moment);
                 day.states.push(state);
                 day.clip = walker.clip();
-                show(&day, cx);
+                cx.preview(day.clone());
                 cx.step(day.moments.len(), request.actions)?;
             }
             Err(why) => {
@@ -131,11 +118,6 @@ pub fn day(start: &Evolution, request: &DayRequest, cx: &JobCtx<DayPreview>) -> 
         return Err(Stop::Failed(format!("nothing can be done here: {why}")));
     }
     Ok(day)
-}
-
-fn show(day: &Day, cx: &JobCtx<DayPreview>) {
-    let evolution = day.states[day.states.len() - 1].clone();
-    cx.preview(DayPreview { clip: Arc::new(day.clip.clone()), moments: day.moments.clone(), evolution });
 }
 
 /// The same room without what only groups do.
@@ -153,7 +135,7 @@ fn next(
     last: &Evolution,
     node: usize,
     roll: u64,
-    cx: &JobCtx<DayPreview>,
+    cx: &JobCtx<Day>,
 ) -> Result<Result<(Evolution, Moment), String>, Stop> {
     let state = match last.apply(node, roll) {
         Ok(state) => state,

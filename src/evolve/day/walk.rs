@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec2, Vec3};
 
-use super::{CHANGE_S, DayPreview, DayRequest};
+use super::{CHANGE_S, Day, DayRequest};
 use crate::body::{Body, FrameJoints, joints};
 use crate::evolve::action::{Evolution, StepPerson};
 use crate::evolve::journey::{JourneyPreview, JourneyRequest, journey, reach, tour};
@@ -98,7 +98,7 @@ pub(super) struct Walker<'a> {
 
 impl<'a> Walker<'a> {
     /// Somebody who stands where one comes in.
-    pub fn new(start: &Evolution, request: &'a DayRequest, cx: &JobCtx<DayPreview>) -> Result<Self, Stop> {
+    pub fn new(start: &Evolution, request: &'a DayRequest, cx: &JobCtx<Day>) -> Result<Self, Stop> {
         let room = start.room();
         let geometry = understand(&room, cx)?;
         let goals = tour(&room, &geometry, 10.0, cx.ticker())?;

@@ -320,6 +320,22 @@ impl Library {
         kind.models.len() * kind.rests.len().max(1)
     }
 
+    /// Whether a model is of something that lies open.
+    pub fn is_open_model(model: &str) -> bool {
+        model.contains("_open")
+    }
+
+    /// Whether look number `look` of a kind is open.
+    pub fn is_open(&self, kind: KindId, look: usize) -> bool {
+        let models = &self.kind(kind).models;
+        models.get(look % models.len().max(1)).is_some_and(|model| Self::is_open_model(model))
+    }
+
+    /// Whether things of a kind can be open.
+    pub fn opens(&self, kind: KindId) -> bool {
+        self.kind(kind).models.iter().any(|model| Self::is_open_model(model))
+    }
+
     /// Look number `look` (below [`Library::looks`]) of a kind; made once, then shared.
     ///
     /// # Errors

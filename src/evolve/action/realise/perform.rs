@@ -17,9 +17,9 @@ use super::spot::{Chair, PlacedPerson, SpotFinder};
 use super::stage::Stage;
 use super::step::{Candidates, Failed, MoveReason};
 use super::wanted::{self, Layout, Want, ZONE_FREQUENCY};
-use super::world::{Ball, Item, Lifted, Pose, World, flat};
+use super::world::{Ball, Item, Lifted, Pose, Source, World, flat};
 use super::zone::Zone;
-use crate::evolve::action::{ActionNode, PersonFrame, is_shared, shared_potential};
+use crate::evolve::action::{ActionKind, ActionNode, PersonFrame, is_shared, shared_potential};
 use crate::job::{Rng, Seed};
 use crate::math::Aabb;
 use crate::scene::ObjectId;
@@ -362,7 +362,7 @@ impl<'a> Performance<'a> {
             Some(item) => (item.to_be_moved().shape, None),
             None if self.world.of_kind(want.kind).count() >= kind.most => return None,
             None => {
-                let thing = library.thing(want.kind, rng.random_range(0..library.looks(want.kind))).ok()?;
+                let thing = library.thing(want.kind, self.look(want.kind, rng)).ok()?;
                 (thing.shape.clone(), Some(thing))
             }
         };
@@ -428,13 +428,26 @@ impl<'a> Performance<'a> {
         let fits = |i: &&Arc<Item>| i.shape.bounds.size().max_element() < largest_m;
         let free =
             self.world.of_kind(kind).filter(|i| !i.locked && !self.active.contains(&i.id)).filter(fits);
-        let mut near: Vec<(f32, ObjectId)> =
-            free.map(|i| (flat(i.pose.at).distance(flat(centre)), i.id)).collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let (distance_m, id) = *near.first()?;
+        let opens = self.node.kind == ActionKind::ReadBook && self.library.opens(kind);
+        let is_shut = |i: &Arc<Item>| opens && !is_open(i);
+        let mut near: Vec<(bool, f32, ObjectId)> =
+            free.map(|i| (is_shut(i), flat(i.pose.at).distance(flat(centre)), i.id)).collect();
+        near.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+        let (shut, distance_m, id) = *near.first()?;
         let full = self.world.of_kind(kind).count() >= self.library.kind(kind).most;
         let at_hand = distance_m < AT_HAND_M && rng.random_bool(USE_AGAIN);
-        (full || at_hand).then_some(id)
+        (full || at_hand && !shut).then_some(id)
+    }
+
+    /// How a new thing looks: who reads has the book open.
+    fn look(&self, kind: KindId, rng: &mut Rng) -> usize {
+        let looks = self.library.looks(kind);
+        let drawn = rng.random_range(0..looks);
+        if self.node.kind != ActionKind::ReadBook {
+            return drawn;
+        }
+        let open: Vec<usize> = (0..looks).filter(|look| self.library.is_open(kind, *look)).collect();
+        if open.is_empty() { drawn } else { open[drawn % open.len()] }
     }
 
     /// Size of the largest look of a kind.
@@ -534,4 +547,9 @@ impl<'a> Performance<'a> {
 fn spread_m(centres: &[Vec3]) -> f32 {
     let pairs = centres.iter().flat_map(|a| centres.iter().map(move |b| flat(*a).distance(flat(*b))));
     pairs.fold(0.0, f32::max)
+}
+
+/// Whether a thing is a book that lies open.
+fn is_open(item: &Item) -> bool {
+    matches!(&item.source, Source::Brought { thing, .. } if Library::is_open_model(&thing.name))
 }
