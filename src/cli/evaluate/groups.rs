@@ -1,7 +1,6 @@
 //! `inhabit evaluate groups`: what a group shares stands where all of it can reach it (ADSE §5.3), against the baseline
 //! that deals shared things out to single people, from the same places and seeds (ADSE fig. 8).
 
-use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,7 +15,7 @@ use crate::cli::output::OutputFolder;
 use crate::cli::progress::run_job;
 use crate::cli::{Common, Ended, load, use_threads};
 use crate::evolve::action::{
-    ActionKind, ActionModel, Evolution, EvolutionConfig, GroupMode, Item, Library, Stage, embody, is_shared,
+    ActionKind, ActionModel, Evolution, EvolutionConfig, GroupMode, Library, Stage, embody, is_shared,
 };
 use crate::job::{JobCtx, Seed, Stop};
 use crate::render::plot::{Captioned, captioned_sheet};
@@ -166,17 +165,10 @@ fn seated(evolution: &Evolution) -> usize {
 /// Measures what the group of the last step shares.
 fn add(row: &mut Row, evolution: &Evolution) {
     let Some(step) = evolution.steps().last() else { return };
-    let shared = shared_kinds(evolution, step.node);
-    let brought: BTreeSet<_> =
-        step.inserted.iter().map(|t| t.id).chain(step.moved.iter().map(|t| t.id)).collect();
-    let is_one = |item: &&Arc<Item>| {
-        let kind = item.kind.map(|kind| evolution.library().kind(kind).kind.as_str());
-        brought.contains(&item.id) && kind.is_some_and(|kind| shared.contains(kind))
-    };
     let centres: Vec<_> = step.people.iter().map(|p| flat(p.frame.centre_m)).collect();
     let pairs = centres.iter().flat_map(|a| centres.iter().map(move |b| a.distance(*b)));
     let spread_m = pairs.fold(0.0, f32::max);
-    for item in evolution.world().items().filter(is_one) {
+    for item in step.shared.iter().filter_map(|id| evolution.world().item(*id)) {
         let at = flat(item.bounds.center());
         let distances: Vec<f32> = centres.iter().map(|centre| centre.distance(at)).collect();
         row.things += 1;
@@ -188,14 +180,6 @@ fn add(row: &mut Row, evolution: &Evolution) {
 
 fn flat(at: glam::Vec3) -> glam::Vec2 {
     glam::Vec2::new(at.x, at.z)
-}
-
-/// Kinds of what the groups of an action share.
-fn shared_kinds(evolution: &Evolution, node: usize) -> BTreeSet<String> {
-    let library = evolution.library();
-    let group = evolution.model().nodes.get(node).and_then(|node| node.group.as_ref());
-    let kinds = group.into_iter().flat_map(|group| &group.shared).filter_map(|o| library.of_label(&o.object));
-    kinds.map(|kind| library.kind(kind).kind.clone()).collect()
 }
 
 fn markdown(rows: &[Row]) -> String {

@@ -60,6 +60,8 @@ pub struct Performance<'a> {
     pub reasons: BTreeMap<ObjectId, MoveReason>,
     pub owners: BTreeMap<ObjectId, Option<usize>>,
     pub used: Vec<ObjectId>,
+    /// What all of a group wants, wherever it stands.
+    pub shared: Vec<ObjectId>,
     pub failed: Vec<Failed>,
     pub candidates: Vec<Candidates>,
     pub zone: Zone,
@@ -104,6 +106,7 @@ impl<'a> Performance<'a> {
             reasons: BTreeMap::new(),
             owners: BTreeMap::new(),
             used: Vec::new(),
+            shared: Vec::new(),
             failed: Vec::new(),
             candidates: Vec::new(),
             zone: Zone::default(),
@@ -267,7 +270,8 @@ impl<'a> Performance<'a> {
         for occurrence in &group.shared {
             let count = occurrence.draw(rng);
             let Some(kind) = self.library.of_label(&occurrence.object) else { continue };
-            let want = Want { kind, label: occurrence.object.clone(), frequency: occurrence.frequency() };
+            let (label, frequency) = (occurrence.object.clone(), occurrence.frequency());
+            let want = Want { kind, label, frequency, shared: true };
             wants.extend((0..count).map(|_| want.clone()));
         }
         let size = |want: &Want| self.library.thing(want.kind, 0).map_or(0.0, |t| t.shape.volume_m3());
@@ -385,6 +389,7 @@ impl<'a> Performance<'a> {
         };
         let was_lifted = self.lifted.contains(&id);
         self.settle(id, person);
+        self.shared.extend(want.shared.then_some(id));
         if want.frequency > ZONE_FREQUENCY {
             self.zoned.insert(id);
         }
@@ -460,6 +465,7 @@ impl<'a> Performance<'a> {
         self.active.remove(&done.id);
         self.zoned.remove(&done.id);
         self.owners.remove(&done.id);
+        self.shared.retain(|id| *id != done.id);
         match &done.before {
             Some((item, was_lifted)) => {
                 self.world.restore(item.clone());

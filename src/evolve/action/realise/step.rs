@@ -179,6 +179,8 @@ pub struct EvolutionStep {
     pub moved: Vec<Moved>,
     /// Things that were used where they were.
     pub used: Vec<ObjectId>,
+    /// What all of a group wants, wherever it stands.
+    pub shared: Vec<ObjectId>,
     /// What the action wanted and did not get.
     pub failed: Vec<Failed>,
     /// The working zone.

@@ -26,6 +26,8 @@ pub struct Want {
     pub label: String,
     /// C(o).
     pub frequency: f64,
+    /// All of the group wants it.
+    pub shared: bool,
 }
 
 /// Draws what the action needs, most frequent first, larger first among equals. What the library has no model for is
@@ -44,7 +46,12 @@ pub fn draw(
         match library.of_label(&occurrence.object) {
             Some(kind) => {
                 let count = count.min(library.kind(kind).at_once.max(1));
-                wants.extend((0..count).map(|_| Want { kind, label: occurrence.object.clone(), frequency }))
+                wants.extend((0..count).map(|_| Want {
+                    kind,
+                    label: occurrence.object.clone(),
+                    frequency,
+                    shared: false,
+                }))
             }
             None if count > 0 && !library.is_fixture(&occurrence.object) => failed.push(Failed {
                 object: occurrence.object.clone(),
@@ -62,7 +69,7 @@ pub fn draw(
                 left < 0.0
             });
             let frequency = 1.0 - companion.probability.first().copied().unwrap_or(0.0);
-            let want = Want { kind, label: companion.object.clone(), frequency };
+            let want = Want { kind, label: companion.object.clone(), frequency, shared: false };
             wants.extend((0..count.unwrap_or(0)).map(|_| want.clone()));
         }
     }
