@@ -196,8 +196,9 @@ impl EditorState {
     pub fn life_label(&self, number: usize) -> String {
         let Some(node) = self.living.tree.get(number) else { return String::new() };
         let what = node.step.as_ref().map_or("the room as it was", |step| step.action.as_str());
-        let roll = if node.roll > 0 { format!(" (outcome {})", node.roll + 1) } else { String::new() };
-        format!("{}  {what}{roll}", node.lived.step_count())
+        // Before the name, which a narrow panel cuts.
+        let roll = if node.roll > 0 { format!(" outcome {}:", node.roll + 1) } else { String::new() };
+        format!("{} {roll} {what}", node.lived.step_count())
     }
 
     /// Starts to look at the room as it is: what can be done in it.

@@ -237,7 +237,10 @@ pub fn export(
 ) -> Result<usize, Stop> {
     ticker.stage("writing", export.clips.len())?;
     let clips = || export.clips.iter().map(Arc::as_ref);
-    let name = &export.scene.room.name;
+    let name = match export.clips.as_slice() {
+        [only] => &only.name,
+        _ => &export.scene.room.name,
+    };
     let files: Vec<(PathBuf, Vec<u8>)> = match export.format {
         MotionFormat::Glb => vec![(path.to_path_buf(), clips_glb(name, None, clips(), surface)?)],
         MotionFormat::GlbWithRoom => {

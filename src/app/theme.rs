@@ -53,9 +53,14 @@ pub fn on_dark() -> &'static Palette {
 
 /// Gives both themes their looks.
 pub fn install(ctx: &egui::Context) {
+    ctx.options_mut(|options| options.input_options.max_click_duration = LONGEST_CLICK_S);
     ctx.style_mut_of(Theme::Dark, |style| dress(style, dark()));
     ctx.style_mut_of(Theme::Light, |style| dress(style, light()));
 }
+
+/// Pressing and letting go is a click up to this long, seconds: on a software driver that shares the processor with a
+/// job a frame can take half a second, and a quick click would be none.
+const LONGEST_CLICK_S: f64 = 2.5;
 
 /// Sizes and spaces on a grid of 4 points.
 fn dress(style: &mut Style, visuals: Visuals) {
@@ -78,6 +83,8 @@ fn dress(style: &mut Style, visuals: Visuals) {
     spacing.menu_margin = Margin::same(6);
     spacing.tooltip_width = 320.0;
     spacing.slider_rail_height = 4.0;
+    // The bar of a scrolled panel has room of its own: it would lie over the icons at the right edge.
+    spacing.scroll.floating_allocated_width = spacing.scroll.bar_width;
     style.interaction.selectable_labels = false;
 }
 
