@@ -1479,7 +1479,7 @@ fn a_banned_kind_is_not_brought_again_and_a_cancelled_action_keeps_what_was_done
     let mut user = User::opens_the_study();
     user.looks_for_actions();
     user.does("read on sofa (60");
-    user.harness.get_by_label("Never bring: book").click();
+    user.harness.get_by_label("Never bring: book").click_accesskit();
     user.sees();
     user.waits(|state| !state.is_living());
     assert_eq!(user.objects(), ["Oak floor", "Red sofa", "cup"]);
@@ -1566,12 +1566,12 @@ fn things_are_listed_with_pictures_bounded_and_banned() {
     user.does("read on sofa (60");
     user.does("read on sofa (60");
     assert!(user.errors()[0].contains("no room for another book"), "{:?}", user.errors());
-    user.harness.get_by_label("Ban book").click();
+    user.harness.get_by_label("Ban book").click_accesskit();
     user.sees();
     user.state().start_action(0);
     user.waits(|state| !state.is_living());
     assert_eq!(user.objects(), ["Oak floor", "Red sofa", "book", "cup"]);
-    user.harness.get_by_label("Allow book").click();
+    user.harness.get_by_label("Allow book").click_accesskit();
     user.sees();
     user.state().set_most(&book, book.most);
     assert!(user.state().living.choice.most.is_empty() && user.state().living.choice.banned.is_empty());

@@ -194,6 +194,8 @@ fn place_goal(ui: &Ui, state: &mut EditorState, response: &Response, rect: Rect)
     }
     let (from, now) = ui.input(|i| (i.pointer.press_origin(), i.pointer.latest_pos()));
     if response.drag_started_by(PointerButton::Primary) {
+        // A drag that a slow frame has seen begin and end has no origin any more.
+        let from = from.or(response.interact_pointer_pos());
         let picked = from.and_then(|from| pick::pick_object(state, &ray_at(state, rect, from)));
         state.motion.placing = picked.map(|p| Placing { at: p.point, towards: p.point });
     }

@@ -52,6 +52,7 @@ impl EditorState {
             Some(clip) => Some(clip.id),
             None => self.begin_clip(&mut goals),
         };
+        let mut placed = None;
         if let Some(id) = id {
             let legs = clip.as_ref().map_or(&[][..], |clip| &clip.legs);
             let name = free_id(&goals, legs.iter().flat_map(|leg| [leg.from, leg.to]));
@@ -67,10 +68,14 @@ impl EditorState {
             });
             if self.apply(Command::SetGoals(id, goals)) {
                 self.selection.only(Item::Goal(id, name));
+                placed = Some((id, name));
             }
         }
         self.document.commit();
         self.motion.reach = None;
+        if let Some((clip, goal)) = placed {
+            self.ask_reach(clip, goal);
+        }
     }
 
     /// Begins a motion without sub-goals; if somebody is selected, with that person, who begins where they are.

@@ -190,13 +190,18 @@ pub struct JourneySeconds {
 impl Journey {
     /// What could not be done as asked, in words for people.
     pub fn complaints(&self, room: &Room) -> Vec<String> {
+        // People count sub-goals from 1.
+        let number = |goal: SubGoalId| goal.0 + 1;
         let unreachable =
-            self.unreachable.iter().map(|u| format!("sub-goal {}: {}", u.goal.0, u.why.in_words(room)));
+            self.unreachable.iter().map(|u| format!("sub-goal {}: {}", number(u.goal), u.why.in_words(room)));
         let missed = self.goals.iter().filter(|g| !g.is_met()).map(|g| {
             format!(
                 "sub-goal {}: the body on {} is {:.0} cm and {:.0} degrees from what was asked for; nothing nearer holds \
                  it",
-                g.goal.0, g.on, g.miss_cm, g.miss_deg
+                number(g.goal),
+                g.on,
+                g.miss_cm,
+                g.miss_deg
             )
         });
         let meets = self
