@@ -10,14 +10,15 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::cli::evolve::Shown;
-use crate::cli::evolve::pictures::{Photographer, save};
+use crate::cli::evolve::pictures::{Photographer, save, views_of};
 use crate::cli::output::OutputFolder;
 use crate::cli::progress::run_job;
 use crate::cli::{Common, Ended, load, use_threads};
 use crate::evolve::action::{
-    ActionKind, ActionModel, Evolution, EvolutionConfig, GroupMode, Library, Stage, embody, is_shared,
+    ActionKind, ActionModel, Evolution, EvolutionConfig, GroupMode, Item, Library, Stage, embody, is_shared,
 };
 use crate::job::{JobCtx, Seed, Stop};
+use crate::render::Picture;
 use crate::render::plot::{Captioned, captioned_sheet};
 
 /// Draws of one group that may fail before its seed is given up.
@@ -32,7 +33,7 @@ pub struct GroupsArguments {
     /// How many people sit together.
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [2, 3, 4])]
     pub sizes: Vec<usize>,
-    /// Groups of each size, one for each seed from --seed on; the first is drawn.
+    /// Groups of each size, one for each seed from --seed on; the first that shares something is drawn.
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub groups: u64,
     /// Folder for the table and the pictures; must be new or empty.
@@ -58,10 +59,16 @@ struct Row {
     farthest_m: f32,
 }
 
+/// One group under both methods, from the same seed.
+struct Pair {
+    people: usize,
+    shown: [Shown; 2],
+}
+
 /// All that the job computes.
 struct Computed {
     rows: Vec<Row>,
-    drawn: Vec<(String, Shown)>,
+    drawn: Vec<Pair>,
 }
 
 /// Runs the command.
@@ -106,30 +113,50 @@ fn compare(
     seed: u64,
     cx: &JobCtx,
 ) -> Result<Computed, Stop> {
-    cx.stage("groups", sizes.len() * 2 * groups as usize)?;
+    cx.stage("groups", sizes.len() * groups as usize)?;
     let mut computed = Computed { rows: Vec::new(), drawn: Vec::new() };
     for people in sizes {
-        for mode in [GroupMode::Shared, GroupMode::Baseline] {
-            let mut row = Row { people: *people, method: name_of(mode), ..Row::default() };
-            let mut pictured = false;
-            for number in 0..groups {
-                cx.advance()?;
-                let Some(after) = dinner(stage, model, *people, mode, Seed::root(seed + number)) else {
-                    continue;
-                };
-                add(&mut row, &after);
-                if !std::mem::replace(&mut pictured, true) {
-                    let bodies = embody(&after, 0, cx.ticker())?;
-                    let caption = format!("{people} people, {}", name_of(mode));
-                    computed.drawn.push((caption, Shown { evolution: after, people: bodies }));
-                }
+        let mut rows = MODES.map(|mode| Row { people: *people, method: name_of(mode), ..Row::default() });
+        let mut drawn: Option<[Evolution; 2]> = None;
+        for number in 0..groups {
+            cx.advance()?;
+            let seed = Seed::root(seed + number);
+            let [ours, baseline] = MODES.map(|mode| dinner(stage, model, *people, mode, seed));
+            let (Some(ours), Some(baseline)) = (ours, baseline) else { continue };
+            let both = [ours, baseline];
+            rows.iter_mut().zip(&both).for_each(|(row, after)| add(row, after));
+            // The first group that shares something shows what sharing is; else the first one.
+            if drawn.as_ref().is_none_or(|[before, _]| shares(before) < shares(&both[0]).min(1)) {
+                drawn = Some(both);
             }
-            let count = row.things.max(1) as f32;
-            (row.shared, row.farthest_m) = (row.shared / count, row.farthest_m / count);
-            computed.rows.push(row);
         }
+        if let Some([ours, baseline]) = drawn {
+            let shown = [fitted(ours, cx)?, fitted(baseline, cx)?];
+            computed.drawn.push(Pair { people: *people, shown });
+        }
+        computed.rows.extend(rows.map(Row::averaged));
     }
     Ok(computed)
+}
+
+/// Ours first.
+const MODES: [GroupMode; 2] = [GroupMode::Shared, GroupMode::Baseline];
+
+impl Row {
+    /// Sums made means.
+    fn averaged(self) -> Self {
+        let count = self.things.max(1) as f32;
+        Self { shared: self.shared / count, farthest_m: self.farthest_m / count, ..self }
+    }
+}
+
+fn shares(evolution: &Evolution) -> usize {
+    evolution.steps().last().map_or(0, |step| step.shared.len())
+}
+
+fn fitted(evolution: Evolution, cx: &JobCtx) -> Result<Shown, Stop> {
+    let people = embody(&evolution, 0, cx.ticker())?;
+    Ok(Shown { evolution, people })
 }
 
 fn name_of(mode: GroupMode) -> &'static str {
@@ -201,17 +228,34 @@ fn markdown(rows: &[Row]) -> String {
     text
 }
 
-/// Ours and the baseline side by side, a row for each size.
-fn draw(folder: &OutputFolder, drawn: &[(String, Shown)]) -> anyhow::Result<()> {
+/// Ours and the baseline side by side from one camera, a row for each size.
+fn draw(folder: &OutputFolder, drawn: &[Pair]) -> anyhow::Result<()> {
     let photographer = Photographer::new()?;
     let mut tiles = Vec::new();
-    for (caption, shown) in drawn {
-        for picture in photographer.action(shown, 1)? {
-            tiles.push(Captioned { caption: caption.clone(), picture: picture.halved() });
+    for pair in drawn {
+        let cameras = views_of(&pair.shown[0], 1);
+        for (shown, mode) in pair.shown.iter().zip(MODES) {
+            let caption = format!("{} people, {}{}", pair.people, name_of(mode), told(&shown.evolution));
+            let pictures = photographer.from(shown, &cameras)?;
+            let tile = |picture: &Picture| Captioned { caption: caption.clone(), picture: picture.halved() };
+            tiles.extend(pictures.iter().map(tile));
         }
     }
     if !tiles.is_empty() {
         save(folder, "groups", &captioned_sheet(&tiles, 2)?)?;
     }
     Ok(())
+}
+
+/// What is shared, and how far from it the person is who is farthest: ": pizza 0.78 m from the farthest".
+fn told(evolution: &Evolution) -> String {
+    let Some(step) = evolution.steps().last() else { return String::new() };
+    let far = |item: &Arc<Item>| {
+        let at = flat(item.bounds.center());
+        let far_m = step.people.iter().map(|p| flat(p.frame.centre_m).distance(at)).fold(0.0, f32::max);
+        format!("{} {far_m:.2} m", item.name.to_lowercase())
+    };
+    let items = step.shared.iter().filter_map(|id| evolution.world().item(*id));
+    let told: Vec<String> = items.map(far).collect();
+    if told.is_empty() { String::new() } else { format!(": {} from the farthest", told.join(", ")) }
 }

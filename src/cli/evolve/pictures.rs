@@ -70,16 +70,27 @@ impl Photographer {
     ///
     /// # Errors
     /// When it can't be drawn.
-    pub fn action(&self, shown: &Shown, count: usize) -> anyhow::Result<Vec<Picture>> {
-        let room = Arc::new(shown.evolution.room());
-        let cameras = views::action_views(&shown.evolution, &room, &shown.people, aspect(), count);
-        let draw = self.scene(&room, shown);
+    fn action(&self, shown: &Shown, count: usize) -> anyhow::Result<Vec<Picture>> {
+        self.from(shown, &views_of(shown, count))
+    }
+
+    /// A state from these cameras.
+    ///
+    /// # Errors
+    /// When it can't be drawn.
+    pub fn from(&self, shown: &Shown, cameras: &[Camera]) -> anyhow::Result<Vec<Picture>> {
+        let draw = self.scene(&Arc::new(shown.evolution.room()), shown);
         cameras.iter().map(|camera| self.picture(&draw, camera)).collect()
     }
 
     fn picture(&self, draw: &SceneDraw, camera: &Camera) -> anyhow::Result<Picture> {
         Ok(self.painter.picture(draw, camera, SIZE)?)
     }
+}
+
+/// Cameras that see the last action of a state best.
+pub fn views_of(shown: &Shown, count: usize) -> Vec<Camera> {
+    views::action_views(&shown.evolution, &shown.evolution.room(), &shown.people, aspect(), count)
 }
 
 fn aspect() -> f32 {
