@@ -88,6 +88,8 @@ impl EditorState {
         self.jobs.making =
             Some(Making { job, version, clip: clip.id, seed: options.seed, goals: clip.goals.clone() });
         self.motion.preview = None;
+        // What is in the way stays to be read; that nothing is needs no word any more.
+        self.motion.reach = self.motion.reach.take().filter(|(_, answer)| answer.is_err());
         self.requests.show_timeline = true;
     }
 
