@@ -104,6 +104,8 @@ struct Drawn {
     /// The way that is drawn: its clip, by address, and how.
     way: (usize, Trail),
     view: ViewOptions,
+    /// The theme's colour behind everything, which follows the view's options a frame later.
+    background: [u8; 3],
     moving: bool,
 }
 
@@ -123,6 +125,7 @@ impl Drawn {
             actors: Vec::new(),
             way: (0, Trail::Off),
             view: state.view.clone(),
+            background: [0; 3],
             moving: false,
         }
     }
@@ -188,11 +191,11 @@ impl Canvas {
         let moving = slow && (is_moving(ui) || busy);
         let coarser = if moving { DRAFT } else { 1 };
         let size = size.map(|side| (side / coarser).max(1));
-        let wanted = Drawn { size, moving, ..wanted };
+        let wanted = Drawn { size, moving, background, ..wanted };
         if let Some(rest) = self.ghosts_may_wait(&wanted, slow) {
             ui.ctx().request_repaint_after(rest);
         } else if self.drawn.as_ref() != Some(&wanted) {
-            self.draw(state, &wanted, background);
+            self.draw(state, &wanted);
             self.drawn = Some(wanted);
             self.drawn_at = Some(Instant::now());
         }
@@ -224,12 +227,12 @@ impl Canvas {
         }
     }
 
-    fn draw(&mut self, state: &EditorState, wanted: &Drawn, background: [u8; 3]) {
+    fn draw(&mut self, state: &EditorState, wanted: &Drawn) {
         let started = Instant::now();
         if self.gpu.is_none() {
             return;
         }
-        let scene = self.scene(state, wanted, background);
+        let scene = self.scene(state, wanted);
         let Some(gpu) = &mut self.gpu else { return };
         match gpu.viewport.render(&gpu.context, &scene, &wanted.camera, wanted.size) {
             Ok(()) => {
@@ -241,7 +244,7 @@ impl Canvas {
         self.frame_ms = started.elapsed().as_secs_f32() * 1e3;
     }
 
-    fn scene(&mut self, state: &EditorState, wanted: &Drawn, background: [u8; 3]) -> SceneDraw {
+    fn scene(&mut self, state: &EditorState, wanted: &Drawn) -> SceneDraw {
         let surface = self.surface.get_or_insert_with(|| state.engine().surface()).clone();
         let yes_no = |yes: bool| if yes { Shown::Yes } else { Shown::No };
         let look = Look {
@@ -249,7 +252,7 @@ impl Canvas {
             cutaway: if state.view.cutaway { Cutaway::Outside } else { Cutaway::Off },
             grid: yes_no(state.view.grid),
             legend: Shown::No,
-            background,
+            background: wanted.background,
         };
         let objects = wanted.selected.iter().filter_map(|item| match item {
             Item::Object(id) => Some(*id),

@@ -201,7 +201,10 @@ impl Script {
         match self.plan.overlay.as_deref() {
             Some("samples") => state.requests.show_sheet = true,
             Some("motion") => show_motion(state),
-            Some("actions") => show_actions(state),
+            Some("actions") => {
+                state.requests.show_actions = true;
+                state.living.marks = true;
+            }
             Some("things") => {
                 state.requests.show_actions = true;
                 state.things.unfolded = true;
@@ -246,17 +249,6 @@ fn show_motion(state: &mut EditorState) {
     state.requests.show_motion = true;
     state.requests.show_timeline = true;
     state.motion.trail = Trail::Figures;
-}
-
-/// The panel of actions, and from near by where the last one was done and why things are where they are.
-fn show_actions(state: &mut EditorState) {
-    state.requests.show_actions = true;
-    state.living.marks = true;
-    let step = state.life_now().and_then(|now| state.living.tree[now].step.as_ref());
-    if let Some(key) = step.and_then(|step| step.key) {
-        actions::frame_item(state, Item::Object(key));
-        state.orbit.arrive();
-    }
 }
 
 /// The topmost surface below head height at `X,Z`, and what is to be done there.
