@@ -14,6 +14,7 @@ use super::hand_space::HAND_JOINTS;
 use super::joints::{BODY_JOINTS, JOINTS, LEFT_HAND, PARENTS, RIGHT_HAND};
 use super::pose_space::{BodyPose, PoseTape};
 use super::posed::Body;
+use super::skin_form::SkinMatrices;
 use super::subset::{self, BLOCK, Block, LANES, VertexSubset};
 
 /// Scratch memory of one thread, and the result of its last forward pass.
@@ -138,13 +139,26 @@ impl Workspace {
         }
     }
 
+    /// A joint's skinning rotation and translation of the last forward pass.
+    pub(super) fn skinning_of(&self, joint: usize) -> (Mat3A, Vec3A) {
+        let Affine { rotation, translation, .. } = self.skinning[joint];
+        (rotation, translation)
+    }
+
+    /// The rest vertices of the last forward pass; a subset of one shape has its shape in the template already.
+    fn rest<'a>(&'a self, subset: &'a VertexSubset) -> &'a [Block] {
+        if subset.shape_dirs.is_empty() { &subset.template } else { &self.rest_vertices }
+    }
+
     fn shape_vertices(&mut self, subset: &VertexSubset) {
+        if subset.shape_dirs.is_empty() {
+            return;
+        }
         let betas = &self.params.betas;
         self.rest_vertices.resize(subset.template.len(), [0.0; BLOCK]);
         for (i, rest) in self.rest_vertices.iter_mut().enumerate() {
             *rest = subset.template[i];
-            // A subset of one shape has its shape in the template already.
-            for (dir, beta) in subset.shape_dirs.get(i).into_iter().flatten().zip(betas) {
+            for (dir, beta) in subset.shape_dirs[i].iter().zip(betas) {
                 for (x, d) in rest.iter_mut().zip(dir) {
                     *x += d * beta;
                 }
@@ -153,9 +167,11 @@ impl Workspace {
     }
 
     fn skin_vertices(&mut self, subset: &VertexSubset) {
-        self.vertices.resize(subset.len(), Vec3::ZERO);
-        for (i, vertex) in self.vertices.iter_mut().enumerate() {
-            let rest = subset::lane(&self.rest_vertices[i / LANES], i % LANES);
+        let mut vertices = std::mem::take(&mut self.vertices);
+        vertices.resize(subset.len(), Vec3::ZERO);
+        let blocks = self.rest(subset);
+        for (i, vertex) in vertices.iter_mut().enumerate() {
+            let rest = subset::lane(&blocks[i / LANES], i % LANES);
             let mut moved = Vec3A::ZERO;
             let (start, end) = (subset.influence_start[i] as usize, subset.influence_start[i + 1] as usize);
             for (joint, weight) in &subset.influences[start..end] {
@@ -165,6 +181,7 @@ impl Workspace {
             }
             *vertex = moved.into();
         }
+        self.vertices = vertices;
     }
 }
 
@@ -236,7 +253,8 @@ impl Body {
         workspace: &mut Workspace,
     ) -> [f32; PARAMS] {
         let mut rest = std::mem::take(&mut workspace.rest_gradient);
-        let (joints, local) = gradient_of_joints(subset, gradients, workspace, Some(&mut rest));
+        let (joints, local) =
+            gradient_of_joints(subset, gradients, &SkinMatrices::ZERO, workspace, Some(&mut rest));
         workspace.rest_gradient = rest;
         let mut betas = [0.0; BETAS];
         if !gradients.vertices.is_empty() {
@@ -256,15 +274,17 @@ impl Body {
     }
 
     /// Gradient with respect to place, rotation, joint rotations and hand codes of a function of what
-    /// [`Body::forward_posed`] left in `workspace`; the shape stays. Changes nothing in the workspace, so the frames
-    /// of a sequence can read each other meanwhile.
+    /// [`Body::forward_posed`] left in `workspace`; the shape stays. `skin` is the function's slope by the skinning
+    /// matrices, beside that by vertices. Changes nothing in the workspace, so the frames of a sequence can read each
+    /// other meanwhile.
     pub fn backward_posed(
         &self,
         subset: &VertexSubset,
         gradients: &Gradients<'_>,
+        skin: &SkinMatrices,
         workspace: &Workspace,
     ) -> PosedGradient {
-        let (joints, local) = gradient_of_joints(subset, gradients, workspace, None);
+        let (joints, local) = gradient_of_joints(subset, gradients, skin, workspace, None);
         PosedGradient {
             translation: joints.position[0],
             rotation: joints.rotation[0],
@@ -287,10 +307,11 @@ fn hand_part(local: &[Vec3; JOINTS]) -> [[Vec3; HAND_JOINTS]; 2] {
 fn gradient_of_joints(
     subset: &VertexSubset,
     gradients: &Gradients<'_>,
+    skin: &SkinMatrices,
     workspace: &Workspace,
     rest: Option<&mut Vec<Block>>,
 ) -> (JointGradients, [Vec3; JOINTS]) {
-    let mut joints = gather_from_vertices(subset, gradients.vertices, workspace, rest);
+    let mut joints = gather_from_vertices(subset, gradients.vertices, skin, workspace, rest);
     for (position, given) in joints.position.iter_mut().zip(gradients.joints) {
         *position += *given;
     }
@@ -309,16 +330,18 @@ fn flatten(
     BodyParams { translation, rotation6, betas, pose, hands }.to_vector()
 }
 
-/// Skinning backwards: the gradient of each joint's `R`, `P`, `J`, and in `rest`, where it is asked for, that of the
-/// rest vertices.
+/// Skinning backwards: the gradient of each joint's `R`, `P`, `J`, starting from that of the skinning matrices, and in
+/// `rest`, where it is asked for, that of the rest vertices.
 fn gather_from_vertices(
     subset: &VertexSubset,
     vertices: &[Vec3],
+    skin: &SkinMatrices,
     ws: &Workspace,
     mut rest: Option<&mut Vec<Block>>,
 ) -> JointGradients {
-    let mut by_rotation = [Mat3A::ZERO; JOINTS];
-    let mut by_translation = [Vec3A::ZERO; JOINTS];
+    let mut by_rotation: [Mat3A; JOINTS] = std::array::from_fn(|j| skin.rotation(j));
+    let mut by_translation: [Vec3A; JOINTS] = std::array::from_fn(|j| skin.translation(j));
+    let blocks = ws.rest(subset);
     if let Some(rest) = rest.as_deref_mut() {
         rest.resize(subset.template.len(), [0.0; BLOCK]);
     }
@@ -332,7 +355,7 @@ fn gather_from_vertices(
         if *gradient == Vec3::ZERO {
             continue;
         }
-        let at = subset::lane(&ws.rest_vertices[i / LANES], i % LANES);
+        let at = subset::lane(&blocks[i / LANES], i % LANES);
         let g = Vec3A::from(*gradient);
         let (gx, gy, gz) = (g * at.x, g * at.y, g * at.z);
         for (joint, weight) in influences {
@@ -492,7 +515,7 @@ mod tests {
         let joints: [Vec3; JOINTS] = std::array::from_fn(|j| ws.joints()[j] - joints_at[j]);
         let local_pose = *ws.local_pose();
         let gradients = Gradients { vertices: &vertices, joints: &joints, local_pose: &local_pose };
-        let analytic = body.backward_posed(&subset, &gradients, &ws);
+        let analytic = body.backward_posed(&subset, &gradients, &SkinMatrices::ZERO, &ws);
         let mut value = |params: &BodyParams, pose: &BodyPose| {
             body.forward_posed(params, pose, &subset, &mut ws);
             energy(&ws, &at, &joints_at, &ZERO_JOINTS)

@@ -29,7 +29,7 @@ pub use clip::{
     CLIP_FPS, Clip, ClipId, FRAME_JOINTS, Frame, GoalPose, Leg, SubGoal, SubGoalId, direction_of, facing_of,
 };
 pub use export::model_from_room;
-pub use field::{FieldConfig, Resolution, SignedDistanceField, bake, bake_cached};
+pub use field::{FieldConfig, OpenBlocks, Resolution, SignedDistanceField, bake, bake_cached};
 pub use floor::{WalkableFloor, Walker};
 pub use geometry::{GeometryConfig, RoomGeometry};
 pub use import::{ImportOptions, ImportReport, Imported, UpAxis, room_from_model, understand};

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::config::{MotionObjective, Stage};
 use super::variables::{self, CODES, NUMBERS, per_number};
-use crate::body::{Body, Gradients, VertexSubset, Workspace};
+use crate::body::{Body, Gradients, SkinMatrices, VertexSubset, Workspace};
 use crate::fit::energy::{Energy, TERMS};
 use crate::fit::surroundings::Intrusions;
 use crate::fit::terms::Distances;
@@ -52,8 +52,10 @@ impl View<'_> {
 pub struct Scratch {
     /// Values, and gradients by vertices, joints and axis-angles.
     pub energy: Energy,
-    /// The field at the frame's vertices.
+    /// The field at the frame's vertices, where the energy asks for it.
     pub distances: Distances,
+    /// Gradient by the skinning matrices.
+    pub skin: SkinMatrices,
     /// Gradient by the frame's numbers directly.
     pub direct: [f32; NUMBERS],
 }
@@ -63,6 +65,14 @@ pub trait MotionEnergy: Sync {
     /// Adds window frame `i`'s terms and their gradients by that frame. A term between frames adds its value at one of
     /// them and to each its gradient.
     fn add(&self, view: &View<'_>, i: usize, out: &mut Scratch);
+
+    /// The field at a frame's vertices; where an energy doesn't ask, any distance outside of solids will do.
+    fn sense(&self, field: &SignedDistanceField, vertices: &[Vec3], distances: &mut Distances) {
+        let Distances { value, gradient } = distances;
+        for (v, position) in vertices.iter().enumerate() {
+            (value[v], gradient[v]) = field.sample_gradient(*position);
+        }
+    }
 
     /// Whether the room's surfaces inside the body are wanted, and how to find them.
     fn search(&self, _state: &mut FrameState) {}
@@ -190,14 +200,11 @@ impl Subject<'_> {
     ) {
         scratch.clear();
         let workspace = &view.states[i].workspace;
-        let Distances { value, gradient } = &mut scratch.distances;
-        for (v, position) in workspace.vertices().iter().enumerate() {
-            (value[v], gradient[v]) = self.field.sample_gradient(*position);
-        }
+        energy.sense(self.field, workspace.vertices(), &mut scratch.distances);
         energy.add(view, i, scratch);
         let Energy { vertices, joints, local, .. } = &scratch.energy;
         let gradients = Gradients { vertices, joints, local_pose: local };
-        let posed = self.body.backward_posed(self.skin, &gradients, workspace);
+        let posed = self.body.backward_posed(self.skin, &gradients, &scratch.skin, workspace);
         let flat = variables::flatten(&posed, &view.x[i * NUMBERS..(i + 1) * NUMBERS], from);
         for k in 0..NUMBERS {
             row[k] = flat[k] + scratch.direct[k];
@@ -224,12 +231,14 @@ impl Scratch {
         Self {
             energy: Energy::new(vertices),
             distances: Distances { value: vec![0.0; vertices], gradient: vec![Vec3::ZERO; vertices] },
+            skin: SkinMatrices::ZERO,
             direct: [0.0; NUMBERS],
         }
     }
 
     fn clear(&mut self) {
         self.energy.clear();
+        self.skin = SkinMatrices::ZERO;
         self.direct = [0.0; NUMBERS];
     }
 }

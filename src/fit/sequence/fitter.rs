@@ -13,7 +13,7 @@ use crate::fit::probe::Probe;
 use crate::fit::surroundings::{Bins, Surroundings};
 use crate::job::{Cancelled, Ticker};
 use crate::math::Aabb;
-use crate::scene::{BETAS, Frame, PoseFamily, RoomGeometry};
+use crate::scene::{BETAS, Frame, OpenBlocks, PoseFamily, RoomGeometry};
 
 /// What is known of a motion besides its frames. Lists shorter than the motion say nothing of the frames beyond.
 #[derive(Clone, Copy, Debug)]
@@ -72,6 +72,9 @@ const TOUCHES_M: f32 = 0.004;
 const STRAYS_M: f32 = 0.01;
 /// Neighbours of a held frame that is deep in something can't be much better than that frame, metres.
 const AS_DEEP_M: f32 = 0.003;
+/// Skin is this near to some joint, and a body moves this far at most while it is optimised, both together, metres.
+/// Where it goes farther, all is right and only slower.
+const AROUND_M: f32 = 0.6;
 /// A body reaches this far from its pelvis, metres, and moves a little.
 const REACH_M: f32 = 1.3;
 
@@ -95,7 +98,7 @@ impl<'a> SequenceFitter<'a> {
     /// and the windows that hold such frames go through another.
     ///
     /// # Errors
-    /// [`Cancelled`] once the user cancelled; it is asked at every iteration. The frames keep the best so far, their
+    /// [`Cancelled`] once the user cancelled; it is asked at every iteration and every frame that is measured. The frames keep the best so far, their
     /// planted feet locked.
     pub fn optimise(
         &self,
@@ -106,7 +109,7 @@ impl<'a> SequenceFitter<'a> {
         ticker: &Ticker,
         preview: &mut dyn FnMut(&[Frame]),
     ) -> Result<Sequenced, Cancelled> {
-        let run = Run::new(self, around, task, frames, config);
+        let run = Run::new(self, around, task, frames, config, ticker)?;
         let mut done = Sequenced { trace: vec![Terms::default(); run.iterations()], ..Sequenced::default() };
         let mut windows = windows(frames.len(), config.window, config.overlap);
         windows.retain(|window| run.free[window.clone()].contains(&true));
@@ -119,7 +122,13 @@ impl<'a> SequenceFitter<'a> {
             if result.is_err() || round + 1 >= config.rounds {
                 break;
             }
-            let deep = run.deep_frames(frames);
+            let deep = match run.deep_frames(frames, ticker) {
+                Ok(deep) => deep,
+                Err(cancelled) => {
+                    result = Err(cancelled);
+                    break;
+                }
+            };
             windows.retain(|window| deep.iter().any(|i| window.contains(i)));
             if windows.is_empty() {
                 break;
@@ -144,6 +153,8 @@ pub(super) struct Run<'r> {
     sample: VertexSubset,
     all: VertexSubset,
     paper: Option<PaperScene>,
+    /// Where no vertex can be in a solid.
+    open: OpenBlocks,
     /// Frames that may change.
     free: Vec<bool>,
 }
@@ -155,7 +166,8 @@ impl<'r> Run<'r> {
         task: &'r SequenceTask<'r>,
         frames: &[Frame],
         config: &'r SequenceConfig,
-    ) -> Self {
+        ticker: &Ticker,
+    ) -> Result<Self, Cancelled> {
         let (body, betas) = (fitter.body, task.betas);
         let rest = body.model.rest_joints(betas);
         let feet = Feet::of(body, betas);
@@ -165,25 +177,41 @@ impl<'r> Run<'r> {
         let all = VertexSubset::all_of_shape(&body.model, betas);
         let subject = Subject { body, betas, skin: &all, field: around.field };
         let paper = config.stages.iter().any(is_paper).then(|| PaperScene::of(&subject, frames));
+        let joints = figures.iter().flat_map(|figure| figure.positions).filter(|p| p.is_finite());
+        let open = OpenBlocks::within(around.field, &Aabb::of(joints).grown(AROUND_M));
         let bins = Bins::new(&around.surface, &Aabb::of(around.surface.iter().copied()));
         let sample = VertexSubset::of_shape(&body.model, fitter.probe.subset.ids().to_vec(), betas);
         let input = frames.to_vec();
         let free = vec![true; frames.len()];
-        let mut run =
-            Self { fitter, around, task, config, input, rest, feet, plan, bins, sample, all, paper, free };
+        let mut run = Self {
+            fitter,
+            around,
+            task,
+            config,
+            input,
+            rest,
+            feet,
+            plan,
+            bins,
+            sample,
+            all,
+            paper,
+            open,
+            free,
+        };
         if run.paper.is_none() {
-            run.free = run.near_faults(&figures);
+            run.free = run.near_faults(&figures, ticker)?;
         }
         for (i, free) in run.free.iter_mut().enumerate() {
             *free &= !task.is_pinned(i, frames.len());
         }
-        run
+        Ok(run)
     }
 
     /// Frames near one with a fault. What came in without, walking over open floor mostly, is better than what a descent
     /// leaves of it.
-    fn near_faults(&self, figures: &[FrameJoints]) -> Vec<bool> {
-        let depths = self.depths(&self.input);
+    fn near_faults(&self, figures: &[FrameJoints], ticker: &Ticker) -> Result<Vec<bool>, Cancelled> {
+        let depths = self.depths(&self.input, ticker)?;
         let strays = |i: usize| {
             (0..2).any(|side| {
                 let place = self.plan.places[i][side];
@@ -196,7 +224,7 @@ impl<'r> Run<'r> {
             let last = (i + NEAR_FRAMES).min(near.len() - 1);
             near[i.saturating_sub(NEAR_FRAMES)..=last].fill(true);
         }
-        near
+        Ok(near)
     }
 
     fn iterations(&self) -> usize {
@@ -228,19 +256,21 @@ impl<'r> Run<'r> {
     }
 
     /// Frames that may change and have a vertex deeper than [`DEEP_M`] in something, by every vertex there is.
-    fn deep_frames(&self, frames: &[Frame]) -> Vec<usize> {
-        let depths = self.depths(frames);
+    fn deep_frames(&self, frames: &[Frame], ticker: &Ticker) -> Result<Vec<usize>, Cancelled> {
+        let depths = self.depths(frames, ticker)?;
         let pinned = (0..frames.len()).filter(|i| self.task.is_pinned(*i, frames.len()));
         let deepest = pinned.map(|i| depths[i] + AS_DEEP_M).fold(DEEP_M, f32::max);
-        (0..frames.len()).filter(|i| self.free[*i] && depths[*i] > deepest).collect()
+        Ok((0..frames.len()).filter(|i| self.free[*i] && depths[*i] > deepest).collect())
     }
 
     /// The deepest vertex of each frame in something solid, metres.
-    fn depths(&self, frames: &[Frame]) -> Vec<f32> {
+    fn depths(&self, frames: &[Frame], ticker: &Ticker) -> Result<Vec<f32>, Cancelled> {
         let (body, field, betas) = (self.fitter.body, self.around.field, self.task.betas);
         let deepest = |workspace: &mut Workspace, frame: &Frame| {
+            ticker.check()?;
             body.forward_posed(&frame.params(betas), &frame.pose, &self.all, workspace);
-            workspace.vertices().iter().map(|v| -field.sample(*v)).fold(0.0, f32::max)
+            let near_solids = workspace.vertices().iter().filter(|v| !self.open.is_open(field, **v));
+            Ok(near_solids.map(|v| -field.sample(*v)).fold(0.0, f32::max))
         };
         frames.par_iter().map_init(Workspace::default, deepest).collect()
     }
@@ -298,7 +328,7 @@ impl<'r> Run<'r> {
             |skin| Subject { body: self.fitter.body, betas: self.task.betas, skin, field: self.around.field };
         match (stage.objective, &self.paper) {
             (MotionObjective::Paper(weights), Some(scene)) => {
-                use_it(&subject(&self.all), &PaperEnergy { scene, weights });
+                use_it(&subject(&self.all), &PaperEnergy { scene, weights, open: &self.open });
             }
             (MotionObjective::Ours(weights), _) => {
                 let energy = OurEnergy {

@@ -37,7 +37,7 @@ impl MotionEnergy for OurEnergy<'_> {
     fn add(&self, view: &View<'_>, i: usize, out: &mut Scratch) {
         let w = &self.weights;
         let FrameState { workspace, intrusions } = &view.states[i];
-        let Scratch { energy, distances, direct } = out;
+        let Scratch { energy, distances, direct, .. } = out;
         self.contact(view.first + i, energy, distances);
         terms::collision(energy, distances, w.collision);
         intrusions.add_energy(energy, workspace.vertices(), w.intrusion);

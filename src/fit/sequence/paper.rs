@@ -4,6 +4,8 @@
 //! rotations instead of pose codes, for that is what frames hold; the height of the swinging foot, which is in the code
 //! but not in the paper, is left out.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -11,136 +13,122 @@ use super::config::PaperWeights;
 use super::descent::{MotionEnergy, Scratch, Subject, View};
 use super::stance::nearer_foot_runs;
 use crate::body::joints::{LEFT_ANKLE, RIGHT_ANKLE};
-use crate::body::{Region, VertexSubset, Workspace};
-use crate::fit::energy::{Energy, Term};
-use crate::fit::terms;
-use crate::scene::Frame;
+use crate::body::{Region, SkinForm, SkinMatrices, VertexSubset, Workspace};
+use crate::fit::energy::Term;
+use crate::fit::terms::{self, Distances};
+use crate::scene::{Frame, OpenBlocks, SignedDistanceField};
 
 /// What is found once from the motion as it came in.
+///
+/// The squares of eq. 7, of the ends and of the stable foot are all between poses of one shape, so they are forms of
+/// the skinning matrices ([`SkinForm`]); no vertex is asked.
 pub struct PaperScene {
     /// PROX's contact vertices.
     contact: Vec<u32>,
-    /// Vertices of both soles.
-    soles: [Vec<u32>; 2],
-    /// For each frame the side of its stable foot and the mean place of that sole's vertices.
-    stable: Vec<(usize, std::sync::Arc<Vec<Vec3>>)>,
-    /// All vertices of the first and the last frame.
-    ends: [Vec<Vec3>; 2],
+    /// Eq. 7: the mean over all vertices and that over each sole.
+    steps: SkinForm,
+    /// The mean over all vertices.
+    skin: SkinForm,
+    /// The mean over each sole.
+    soles: [SkinForm; 2],
+    /// For each frame the side of its stable foot and the mean of that stance, whose sole it keeps to.
+    stable: Vec<(usize, Arc<SkinMatrices>)>,
+    /// The first and the last frame.
+    ends: [SkinMatrices; 2],
 }
 
 /// The energy of a stage.
 pub struct PaperEnergy<'a> {
     pub scene: &'a PaperScene,
     pub weights: PaperWeights,
+    /// Where no vertex can be in a solid.
+    pub open: &'a OpenBlocks,
 }
 
 impl PaperScene {
     /// From the motion as it came in; `subject` poses all vertices.
     pub fn of(subject: &Subject<'_>, frames: &[Frame]) -> Self {
         let body = subject.body;
-        let soles = [Region::LeftLeg, Region::RightLeg].map(|region| body.regions.sample(region).to_vec());
-        let both: Vec<u32> = soles.concat();
-        let subset = VertexSubset::of_shape(&body.model, both, subject.betas);
-        let posed: Vec<([Vec3; 2], Vec<Vec3>)> = frames
+        let no_skin = VertexSubset::of_shape(&body.model, Vec::new(), subject.betas);
+        let posed: Vec<([Vec3; 2], SkinMatrices)> = frames
             .par_iter()
             .map_init(Workspace::default, |workspace, frame| {
-                body.forward_posed(&frame.params(subject.betas), &frame.pose, &subset, workspace);
+                body.forward_posed(&frame.params(subject.betas), &frame.pose, &no_skin, workspace);
                 let joints = workspace.joints();
-                ([joints[LEFT_ANKLE], joints[RIGHT_ANKLE]], workspace.vertices().to_vec())
+                ([joints[LEFT_ANKLE], joints[RIGHT_ANKLE]], workspace.skin_matrices())
             })
             .collect();
         let ankles: Vec<[Vec3; 2]> = posed.iter().map(|(ankles, _)| *ankles).collect();
         let mut stable = Vec::with_capacity(frames.len());
         for run in nearer_foot_runs(&ankles) {
-            let start = run.side * soles[0].len();
-            let mean = |v: usize| {
-                let sum: Vec3 = posed[run.frames.clone()].iter().map(|(_, sole)| sole[start + v]).sum();
-                sum / run.frames.len() as f32
-            };
-            let mean = std::sync::Arc::new((0..soles[run.side].len()).map(mean).collect::<Vec<Vec3>>());
+            let mean = SkinMatrices::mean(posed[run.frames.clone()].iter().map(|(_, skin)| skin));
+            let mean = Arc::new(mean);
             stable.extend(run.frames.clone().map(|_| (run.side, mean.clone())));
         }
-        let vertices = |frame: Option<&Frame>| {
-            let mut workspace = Workspace::default();
-            frame.map_or(Vec::new(), |frame| {
-                body.forward_posed(&frame.params(subject.betas), &frame.pose, subject.skin, &mut workspace);
-                workspace.vertices().to_vec()
-            })
+        let matrices = |i: Option<usize>| {
+            i.and_then(|i| posed.get(i)).map_or(SkinMatrices::ZERO, |(_, skin)| skin.clone())
         };
+        let [left, right] =
+            [Region::LeftLeg, Region::RightLeg].map(|region| body.regions.sample(region).to_vec());
+        let all = || mean_over((0..subject.skin.len()).collect::<Vec<_>>());
+        let sole = |ids: &[u32]| mean_over(ids.iter().map(|v| *v as usize).collect::<Vec<_>>());
+        let of = |weighted: Vec<(usize, f32)>| SkinForm::new(subject.skin, weighted.into_iter());
         Self {
             contact: body.regions.prox_sample(),
-            soles,
+            steps: of([all(), sole(&left), sole(&right)].concat()),
+            skin: of(all()),
+            soles: [of(sole(&left)), of(sole(&right))],
             stable,
-            ends: [vertices(frames.first()), vertices(frames.last())],
+            ends: [matrices(Some(0)), matrices(frames.len().checked_sub(1))],
         }
     }
+}
+
+/// Each of these vertices with its share of a mean over their coordinates.
+fn mean_over(vertices: Vec<usize>) -> Vec<(usize, f32)> {
+    let share = 1.0 / (3 * vertices.len().max(1)) as f32;
+    vertices.into_iter().map(|v| (v, share)).collect()
 }
 
 impl MotionEnergy for PaperEnergy<'_> {
     fn add(&self, view: &View<'_>, i: usize, out: &mut Scratch) {
         let (scene, weights) = (self.scene, &self.weights);
-        let Scratch { energy, distances, .. } = out;
         let frames = scene.stable.len().max(1) as f32;
+        let Scratch { energy, distances, skin, .. } = out;
         terms::psi_contact(energy, &scene.contact, distances, weights.robust_c_m, weights.contact / frames);
         terms::psi_collision(energy, distances, weights.collision);
-        self.smooth(view, i, energy);
-        self.ends(view, i, energy);
-        let (side, mean) = &scene.stable[view.first + i];
-        let sole = &scene.soles[*side];
-        let scale = weights.foot / (3 * sole.len().max(1)) as f32;
-        let vertices = view.states[i].workspace.vertices();
-        for (v, place) in sole.iter().map(|v| *v as usize).zip(mean.iter()) {
-            add_square(energy, Term::Feet, v, vertices[v] - *place, scale);
-        }
-    }
-}
-
-impl PaperEnergy<'_> {
-    /// Eq. 7 over all vertices and again over each sole. A step's value counts at its first frame.
-    fn smooth(&self, view: &View<'_>, i: usize, energy: &mut Energy) {
-        let vertices = view.states[i].workspace.vertices();
-        let mean_over = |count: usize| self.weights.smooth / (3 * count.max(1)) as f32;
+        let matrices = view.states[i].workspace.skin_matrices();
+        // A step's value counts at its first frame.
         for (neighbour, counts) in [(i + 1, 1.0), (i.wrapping_sub(1), 0.0)] {
-            let Some(beside) = view.states.get(neighbour).map(|state| state.workspace.vertices()) else {
-                continue;
-            };
-            let all = mean_over(vertices.len());
-            let mut sum = 0.0;
-            for ((slope, here), there) in energy.vertices.iter_mut().zip(vertices).zip(beside) {
-                let step = *here - *there;
-                sum += step.length_squared();
-                *slope += step * (2.0 * all);
-            }
-            energy.add(Term::Smoothness, counts * all * sum);
-            for sole in &self.scene.soles {
-                let scale = mean_over(sole.len());
-                for v in sole.iter().map(|v| *v as usize) {
-                    let step = vertices[v] - beside[v];
-                    energy.add(Term::Smoothness, counts * scale * step.length_squared());
-                    energy.vertices[v] += step * (2.0 * scale);
-                }
-            }
+            let Some(beside) = view.states.get(neighbour) else { continue };
+            let step = matrices.less(&beside.workspace.skin_matrices());
+            energy.add(Term::Smoothness, counts * scene.steps.add_square(&step, weights.smooth, skin));
         }
-    }
-
-    /// The first and the last body stay near to what they were.
-    fn ends(&self, view: &View<'_>, i: usize, energy: &mut Energy) {
         let frame = view.first + i;
-        let last = self.scene.stable.len().saturating_sub(1);
-        let [first_body, last_body] = &self.scene.ends;
-        let vertices = view.states[i].workspace.vertices();
-        let scale = self.weights.smooth / (3 * vertices.len().max(1)) as f32;
-        for (at, body) in [(0, first_body), (last, last_body)] {
+        let last = scene.stable.len().saturating_sub(1);
+        for (at, end) in [(0, &scene.ends[0]), (last, &scene.ends[1])] {
             if frame == at {
-                for (v, place) in body.iter().enumerate() {
-                    add_square(energy, Term::Start, v, vertices[v] - *place, scale);
-                }
+                let off = matrices.less(end);
+                energy.add(Term::Start, scene.skin.add_square(&off, weights.smooth, skin));
             }
         }
+        let (side, mean) = &scene.stable[frame];
+        let off = matrices.less(mean);
+        energy.add(Term::Feet, scene.soles[*side].add_square(&off, weights.foot, skin));
     }
-}
 
-fn add_square(energy: &mut Energy, term: Term, vertex: usize, offset: Vec3, scale: f32) {
-    energy.add(term, scale * offset.length_squared());
-    energy.vertices[vertex] += offset * (2.0 * scale);
+    /// Contact asks its vertices only, collision those that may be in a solid.
+    fn sense(&self, field: &SignedDistanceField, vertices: &[Vec3], distances: &mut Distances) {
+        let Distances { value, gradient } = distances;
+        for (v, position) in vertices.iter().enumerate() {
+            if self.open.is_open(field, *position) {
+                value[v] = f32::INFINITY;
+            } else {
+                (value[v], gradient[v]) = field.sample_gradient(*position);
+            }
+        }
+        for v in self.scene.contact.iter().map(|v| *v as usize) {
+            (value[v], gradient[v]) = field.sample_gradient(vertices[v]);
+        }
+    }
 }

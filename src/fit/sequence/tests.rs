@@ -135,7 +135,7 @@ fn gradient_of_preset(preset: SequencePreset, height_m: f32, tolerance: f32) {
     let (field, config) = (field(1.1), SequenceConfig::from(preset));
     let (fitter, around) = (SequenceFitter::new(Body::bundled()), Surroundings::of_field(&field));
     let task = task(&planted, [0, 0]);
-    let run = Run::new(&fitter, &around, &task, &frames, &config);
+    let run = Run::new(&fitter, &around, &task, &frames, &config, &Ticker::silent()).expect("not cancelled");
     let stage = config.stages.last().expect("a stage");
     run.with_energy(stage, &mut |subject, energy| {
         agrees_with_differences(energy, subject, &frames, tolerance)

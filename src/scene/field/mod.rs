@@ -9,6 +9,7 @@ mod fronts;
 pub(super) mod grid;
 pub(super) mod indoors;
 pub(super) mod lines;
+mod open;
 mod sign;
 mod standing;
 mod sweep;
@@ -23,6 +24,7 @@ use glam::{UVec3, Vec3};
 use crate::math::Aabb;
 
 pub use bake::{FieldConfig, Resolution, bake, bake_cached};
+pub use open::OpenBlocks;
 
 #[cfg(test)]
 pub(in crate::scene) use test_room::triangles as test_room_triangles;
