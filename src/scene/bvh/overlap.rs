@@ -38,14 +38,27 @@ impl TriangleBvh {
                         return Some(pair);
                     }
                 }
-                // The larger box is split first.
+                // The larger box is split first; of its halves the nearer one is looked at first, where a meeting is
+                // more likely.
                 (false, leaf) if leaf || box_a.half_area() > box_b.half_area() => {
-                    stack.extend([(mine.first_index, b), (mine.first_index + 1, b)]);
+                    let middle = turn.place.transform_point3a(middle_of(box_b));
+                    let (near, far) = self.nearer_half(mine.first_index, middle);
+                    stack.extend([(far, b), (near, b)]);
                 }
-                _ => stack.extend([(a, theirs.first_index), (a, theirs.first_index + 1)]),
+                _ => {
+                    let middle = turn.back * (middle_of(box_a) - turn.place.translation);
+                    let (near, far) = other.nearer_half(theirs.first_index, middle);
+                    stack.extend([(a, far), (a, near)]);
+                }
             }
         }
         None
+    }
+
+    /// Two halves of a node, `first` and the one after it, that whose middle is nearer to a point first.
+    fn nearer_half(&self, first: u32, point: Vec3A) -> (u32, u32) {
+        let off = |node: u32| middle_of(self.tree.nodes[node as usize].aabb()).distance_squared(point);
+        if off(first) <= off(first + 1) { (first, first + 1) } else { (first + 1, first) }
     }
 
     fn leaves_meet(
@@ -93,6 +106,11 @@ impl TriangleBvh {
         }
         0
     }
+}
+
+#[inline]
+fn middle_of(around: &TreeBox) -> Vec3A {
+    (around.min + around.max) * 0.5
 }
 
 /// How the frame of one tree lies in that of another, to tell boxes of the two apart.

@@ -65,7 +65,7 @@ pub struct Chosen {
 /// Chooses the best free place. `balls` are the people that it must keep clear of.
 pub fn choose(world: &World, task: &Task<'_>, lifted: &Lifted, balls: &[Ball], rng: &mut Rng) -> Chosen {
     let grown: Vec<Ball> = balls.iter().map(|(at, r)| (*at, r + OFF_BODY_M)).collect();
-    let avoid = Avoid { lifted, balls: &grown };
+    let avoid = Avoid::new(lifted, &grown);
     let served = task.servers.iter().find_map(|server| on_server(world, task, *server, &avoid, rng));
     if let Some(rest) = served {
         let sample = Sample { at: rest.pose.at, score: (task.value)(rest.pose.at), verdict: Verdict::Taken };

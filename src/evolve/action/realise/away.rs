@@ -1,13 +1,16 @@
 //! What is in the way goes as near as there is room (ADSE §5.2, eq. 11): on the surfaces that suit it, then on a
 //! stack, then on the floor.
 
+use std::cmp::Ordering;
 use std::collections::HashSet;
 use std::f32::consts::PI;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use rand::RngExt as _;
 
+use super::crowd::Crowd;
 use super::library::{Ground, Kind, Library};
 use super::placing::{Avoid, Onto, Rest};
 use super::shape::Shape;
@@ -67,21 +70,92 @@ pub struct Away<'a> {
 /// A cell of a surface, by the surface's number.
 type Cell = (usize, Vec3);
 
+/// A place that was drawn.
+#[derive(Clone, Copy)]
+struct Drawn {
+    /// From where the thing was.
+    distance_m: f32,
+    surface: usize,
+    at: Vec3,
+}
+
+impl Drawn {
+    fn order(&self, other: &Self) -> Ordering {
+        let by_distance = self.distance_m.total_cmp(&other.distance_m);
+        by_distance.then(self.at.x.total_cmp(&other.at.x)).then(self.at.z.total_cmp(&other.at.z))
+    }
+}
+
+/// Drawn places, the nearest first. They are put in order only as far as they are asked for: most things find room
+/// among the first hundred of thousands.
+#[derive(Default)]
+struct NearestFirst {
+    drawn: Vec<Drawn>,
+    /// So many are in order.
+    ordered: usize,
+    /// So many were handed out.
+    given: usize,
+}
+
+/// So many places are put in order at first.
+const FIRST_ORDERED: usize = 128;
+
+impl Iterator for NearestFirst {
+    type Item = Drawn;
+
+    fn next(&mut self) -> Option<Drawn> {
+        if self.given == self.ordered {
+            let rest = &mut self.drawn[self.ordered..];
+            // As many again as there are: all of them cost what sorting them at once does.
+            let count = self.ordered.max(FIRST_ORDERED).min(rest.len());
+            if count < rest.len() {
+                rest.select_nth_unstable_by(count, Drawn::order);
+            }
+            rest[..count].sort_unstable_by(Drawn::order);
+            self.ordered += count;
+        }
+        let drawn = self.drawn.get(self.given).copied()?;
+        self.given += 1;
+        Some(drawn)
+    }
+}
+
 /// Squares of surfaces in which a place was tried in vain: another in the same square would fail too, as a rule.
 struct Failed {
     square_m: f32,
-    squares: HashSet<(usize, i32, i32)>,
+    squares: HashSet<u64, BuildHasherDefault<Spread>>,
+}
+
+/// Spreads numbers of squares over a table; nobody chooses them to collide.
+#[derive(Default)]
+struct Spread(u64);
+
+impl Hasher for Spread {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
+    }
+
+    fn write_u64(&mut self, number: u64) {
+        // Multiplying by 2^64 over the golden ratio fills the high bits, which the table takes.
+        let mixed = (self.0 ^ number).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        self.0 = mixed ^ (mixed >> 32);
+    }
 }
 
 impl Failed {
     fn of(shape: &Shape) -> Self {
         let square_m = (shape.reach_m * BESIDE).clamp(BESIDE_M.start, BESIDE_M.end);
-        Self { square_m, squares: HashSet::new() }
+        Self { square_m, squares: HashSet::default() }
     }
 
-    fn square(&self, surface: usize, at: Vec3) -> (usize, i32, i32) {
+    /// A number for each square of each surface.
+    fn square(&self, surface: usize, at: Vec3) -> u64 {
         let square = (flat(at) / self.square_m).floor().as_ivec2();
-        (surface, square.x, square.y)
+        (surface as u64) << 48 | (square.x as u64 & 0xFF_FFFF) << 24 | (square.y as u64 & 0xFF_FFFF)
     }
 
     fn is_beside(&self, surface: usize, at: Vec3) -> bool {
@@ -94,10 +168,12 @@ impl Failed {
 }
 
 /// Places that were tried for one thing.
-struct Tries {
+struct Tries<'a> {
     samples: Vec<Sample>,
     /// How many may still be looked at closely.
     left: usize,
+    avoid: Avoid<'a>,
+    crowd: Crowd<'a>,
 }
 
 /// The place that was found for something in the way.
@@ -113,7 +189,12 @@ impl Away<'_> {
     pub fn find(&self, item: &Item, rng: &mut Rng) -> Found {
         let kind = item.kind.map(|k| self.library.kind(k));
         let suited = |ground: Ground| suits(kind, item, self.world, ground);
-        let mut tries = Tries { samples: Vec::new(), left: MOST_FAILURES };
+        let mut tries = Tries {
+            samples: Vec::new(),
+            left: MOST_FAILURES,
+            avoid: Avoid::new(self.lifted, self.balls),
+            crowd: Crowd::around(self.world, item, self.lifted),
+        };
         let lies_on_floor = self.ground_now(item) == Some(Ground::Floor);
         let tops = |g: Ground| suited(g) && (g != Ground::Floor || lies_on_floor);
         let floor = |g: Ground| g == Ground::Floor;
@@ -146,14 +227,14 @@ impl Away<'_> {
         allowed: &dyn Fn(Ground) -> bool,
         reach: Reach,
         rng: &mut Rng,
-        tries: &mut Tries,
+        tries: &mut Tries<'_>,
     ) -> Option<Rest> {
         let (cells, nearby) = self.cells(item, allowed, reach);
         let near_count = if nearby.is_empty() { 0 } else { (AWAY_SAMPLES as f32 * NEARBY) as usize };
         let least = tries.left - tries.left / AT_ONCE;
         let mut failed = Failed::of(&item.shape);
         for (cells, count) in [(nearby, near_count), (cells, AWAY_SAMPLES - near_count)] {
-            for (distance_m, surface, at) in self.draw(&cells, count, item.pose.at, rng) {
+            for Drawn { distance_m, surface, at } in self.draw(&cells, count, item.pose.at, rng) {
                 if failed.is_beside(surface, at) {
                     continue;
                 }
@@ -178,15 +259,18 @@ impl Away<'_> {
         item: &Item,
         (surface, at): Cell,
         reach: Reach,
-        tries: &mut Tries,
+        tries: &mut Tries<'_>,
     ) -> Result<Rest, Verdict> {
-        let avoid = Avoid { lifted: self.lifted, balls: self.balls };
+        // Why a place won't do is told of those that are kept for the overlay; of the others only that it won't.
+        if tries.samples.len() >= KEPT && tries.crowd.has_taken(surface, flat(at)) {
+            return Err(Verdict::Collides);
+        }
         let soft = self.world.stage.surfaces[surface].soft;
         let onto = Onto::Surface { number: surface, height_m: at.y, soft };
-        if let Some(verdict) = self.plainly_not(item, flat(at), onto, reach, &avoid) {
+        if let Some(verdict) = self.plainly_not(item, flat(at), onto, reach, &tries.avoid) {
             return Err(verdict);
         }
-        let found = self.try_at(item, flat(at), onto, reach, &avoid);
+        let found = self.try_at(item, flat(at), onto, reach, &tries.avoid);
         tries.left -= usize::from(found.is_err());
         found
     }
@@ -213,20 +297,18 @@ impl Away<'_> {
         (cells, nearby)
     }
 
-    /// Places as (distance from where it was, surface, point), the nearest first.
-    fn draw(&self, cells: &[Cell], count: usize, from: Vec3, rng: &mut Rng) -> Vec<(f32, usize, Vec3)> {
+    /// Places, the nearest to `from` first.
+    fn draw(&self, cells: &[Cell], count: usize, from: Vec3, rng: &mut Rng) -> NearestFirst {
         if cells.is_empty() {
-            return Vec::new();
+            return NearestFirst::default();
         }
         let one = |_| {
             let (surface, cell) = cells[rng.random_range(0..cells.len())];
             let half = 0.5 * self.world.stage.surfaces[surface].cell_m;
             let at = cell + Vec3::new(rng.random_range(-half..half), 0.0, rng.random_range(-half..half));
-            (at.distance(from), surface, at)
+            Drawn { distance_m: at.distance(from), surface, at }
         };
-        let mut drawn: Vec<(f32, usize, Vec3)> = (0..count).map(one).collect();
-        drawn.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.x.total_cmp(&b.2.x)).then(a.2.z.total_cmp(&b.2.z)));
-        drawn
+        NearestFirst { drawn: (0..count).map(one).collect(), ..NearestFirst::default() }
     }
 
     /// What is known of a place without looking closely.
@@ -279,7 +361,7 @@ impl Away<'_> {
             .filter(|(distance_m, _)| *distance_m < FARTHEST_M)
             .collect();
         bases.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.id.cmp(&b.1.id)));
-        let avoid = Avoid { lifted: self.lifted, balls: self.balls };
+        let avoid = Avoid::new(self.lifted, self.balls);
         bases.into_iter().take(12).find_map(|(_, base)| {
             if self.stack_m(base) > HIGHEST_STACK_M {
                 return None;

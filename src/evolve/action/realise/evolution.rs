@@ -266,10 +266,18 @@ impl Evolution {
             candidates,
             seconds: started.elapsed().as_secs_f64(),
         };
-        let mut next = self.clone();
-        next.world = world;
-        next.steps.push(Arc::new(step));
-        next
+        let mut steps = self.steps.clone();
+        steps.push(Arc::new(step));
+        Self {
+            stage: self.stage.clone(),
+            model: self.model.clone(),
+            graph: self.graph.clone(),
+            off: self.off.clone(),
+            config: self.config.clone(),
+            seed: self.seed,
+            world,
+            steps,
+        }
     }
 
     /// Seed of step `number`, from 1.

@@ -1,7 +1,7 @@
 //! One action, from the choice of a place to the last thing out of the way (ADSE §5.2 and §5.3).
 
 use std::cell::RefCell;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -254,12 +254,13 @@ impl<'a> Performance<'a> {
         let mut letters = name.chars();
         let capital: String =
             letters.next().map(|c| c.to_uppercase().chain(letters).collect()).unwrap_or_default();
-        let taken = |name: &str| {
-            self.world.items().any(|i| i.name == name)
-                || self.stage.room.objects.iter().any(|o| o.name == name)
-        };
+        let of_things = self.world.items().map(|i| i.name.as_str());
+        let of_room = self.stage.room.objects.iter().map(|o| o.name.as_str());
+        let taken: HashSet<&str> =
+            of_things.chain(of_room).filter(|name| name.starts_with(&capital)).collect();
         let numbered = (2..).map(|n| format!("{capital} {n}"));
-        std::iter::once(capital.clone()).chain(numbered).find(|n| !taken(n)).unwrap_or(capital)
+        let mut names = std::iter::once(capital.clone()).chain(numbered);
+        names.find(|name| !taken.contains(name.as_str())).unwrap_or(capital)
     }
 
     // Things that are used --------------------------------------------------------------------------------------

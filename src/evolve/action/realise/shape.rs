@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use glam::{Vec2, Vec3};
 
 use super::solid::Solid;
-use crate::inspect::convex_hull;
+use super::spine::Spine;
+use crate::inspect::{convex_hull, distance_to_hull};
 use crate::math::Aabb;
 use crate::scene::TriangleBvh;
 
@@ -40,6 +41,8 @@ pub struct Shape {
     pub under: Vec<UnderPoint>,
     /// The convex hull of its plan, counter-clockwise in (x, z); of round things some corners.
     pub plan: Vec<Vec2>,
+    /// The true hull reaches this far beyond those corners, metres.
+    pub slack_m: f32,
     /// Where its weight is taken to be: the middle of its area in plan.
     pub middle: Vec2,
     /// Largest distance of its plan from the origin, metres.
@@ -48,6 +51,8 @@ pub struct Shape {
     pub core_m: f32,
     /// What of it is surely filled.
     pub solid: Option<Solid>,
+    /// Lines inside of it.
+    pub spine: Spine,
 }
 
 impl Shape {
@@ -57,7 +62,9 @@ impl Shape {
         let bounds = Aabb::of(corners());
         let contacts = lowest_corners(corners(), bounds.min.y);
         let flat: Vec<Vec2> = corners().map(|p| Vec2::new(p.x, p.z)).collect();
-        let plan = outermost(convex_hull(&flat));
+        let hull = convex_hull(&flat);
+        let plan = outermost(hull.clone());
+        let slack_m = hull.iter().map(|p| distance_to_hull(&plan, *p)).fold(0.0, f32::max);
         let reach_m = flat.iter().map(|p| p.length()).fold(0.0, f32::max);
         let tree = TriangleBvh::new(triangles);
         let mut under = under_grid(&tree, &bounds);
@@ -65,13 +72,14 @@ impl Shape {
         let middle = under.iter().map(|p| p.at).sum::<Vec2>() / count;
         let core_m = inner_radius(&plan, middle);
         let solid = Solid::of(&tree, &bounds, &plan, middle);
+        let spine = Spine::of(&tree, &bounds, middle);
         under.extend(contacts.into_iter().map(|at| UnderPoint {
             at,
             lift_m: 0.0,
             contact: true,
             area: false,
         }));
-        Self { tree, bounds, under, plan, middle, reach_m, core_m, solid }
+        Self { tree, bounds, under, plan, slack_m, middle, reach_m, core_m, solid, spine }
     }
 
     /// Size of the plan's box in square metres.

@@ -79,6 +79,19 @@ pub fn outlines_meet(a: &[Vec2], b: &[Vec2]) -> bool {
     a.len() > 2 && b.len() > 2 && !separated(a, b) && !separated(b, a)
 }
 
+/// Whether an edge of one of two convex outlines, counter-clockwise, has the other this far outside, metres.
+pub fn outlines_part(a: &[Vec2], b: &[Vec2], by_m: f32) -> bool {
+    a.len() > 2 && b.len() > 2 && (parted(a, b, by_m) || parted(b, a, by_m))
+}
+
+fn parted(a: &[Vec2], b: &[Vec2], by_m: f32) -> bool {
+    (0..a.len()).any(|i| {
+        let (from, edge) = (a[i], a[(i + 1) % a.len()] - a[i]);
+        let least = -by_m * edge.length();
+        b.iter().all(|p| edge.perp_dot(*p - from) < least)
+    })
+}
+
 /// Whether an edge of the convex outline `a` has all of `b` outside.
 fn separated(a: &[Vec2], b: &[Vec2]) -> bool {
     (0..a.len()).any(|i| {
@@ -131,5 +144,12 @@ mod tests {
         assert!(!outlines_meet(&square(0.0), &square(1.1)));
         let diamond = [(1.0, -0.2), (2.0, -1.2), (3.0, -0.2), (2.0, 0.8)].map(|(a, b)| Vec2::new(a, b - 0.9));
         assert!(!outlines_meet(&square(0.0), &diamond), "boxes touch, edges part them");
+        assert!(
+            outlines_part(&square(0.0), &square(1.1), 0.09)
+                && !outlines_part(&square(0.0), &square(1.1), 0.11)
+        );
+        assert!(
+            outlines_part(&square(0.0), &diamond, 0.01) && !outlines_part(&square(0.0), &square(0.9), 0.0)
+        );
     }
 }

@@ -231,7 +231,7 @@ impl SpotFinder<'_> {
         let balls: Vec<Ball> = self.others.iter().flat_map(PlacedPerson::trunk).collect();
         let floor = self.world.stage.floor();
         let onto = Onto::Surface { number: floor, height_m: floor_m, soft: false };
-        let avoid = Avoid { lifted: &lifted, balls: &balls };
+        let avoid = Avoid::new(&lifted, &balls);
         let rest = self.world.place(&shape, pelvis - turned, yaw_rad, onto, &avoid).ok()?;
         if self
             .others

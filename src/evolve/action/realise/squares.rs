@@ -18,7 +18,16 @@ pub struct Squares {
     origin: Vec2,
     square_m: f32,
     dim: [usize; 2],
-    items: Vec<Vec<Arc<Item>>>,
+    items: Vec<Vec<Entry>>,
+}
+
+/// A thing in a square, with what is asked of all of them, so that most are passed over without a look at the thing.
+#[derive(Clone, Debug)]
+struct Entry {
+    bounds: Aabb,
+    /// The first of the squares that it is in, along x and z.
+    first: [usize; 2],
+    item: Arc<Item>,
 }
 
 /// Squares from the first to the last, both along x and along z.
@@ -36,15 +45,16 @@ impl Squares {
 
     /// A thing is there now.
     pub fn enter(&mut self, item: &Arc<Item>) {
+        let [[x, _], [z, _]] = self.range(&item.bounds);
         for square in self.covered(&item.bounds) {
-            self.items[square].push(item.clone());
+            self.items[square].push(Entry { bounds: item.bounds, first: [x, z], item: item.clone() });
         }
     }
 
     /// A thing is there no longer.
     pub fn leave(&mut self, item: &Item) {
         for square in self.covered(&item.bounds) {
-            self.items[square].retain(|other| other.id != item.id);
+            self.items[square].retain(|other| other.item.id != item.id);
         }
     }
 
@@ -52,13 +62,13 @@ impl Squares {
     pub fn near<'a>(&'a self, bounds: &Aabb) -> impl Iterator<Item = &'a Arc<Item>> + use<'a> {
         let (asked, bounds) = (self.range(bounds), *bounds);
         // A thing in several squares counts in the first that it shares with what is asked.
-        let is_first = move |x: usize, z: usize, item: &Item| {
-            let [[own_x, _], [own_z, _]] = self.range(&item.bounds);
-            x == own_x.max(asked[0][0]) && z == own_z.max(asked[1][0])
+        let is_first = move |x: usize, z: usize, first: [usize; 2]| {
+            x == first[0].max(asked[0][0]) && z == first[1].max(asked[1][0])
         };
         let at = move |x: usize, z: usize| {
-            let items = self.items[x * self.dim[1] + z].iter();
-            items.filter(move |item| item.bounds.intersects(&bounds) && is_first(x, z, item))
+            let entries = self.items[x * self.dim[1] + z].iter();
+            let near = entries.filter(move |e| e.bounds.intersects(&bounds) && is_first(x, z, e.first));
+            near.map(|entry| &entry.item)
         };
         (asked[0][0]..=asked[0][1]).flat_map(move |x| (asked[1][0]..=asked[1][1]).flat_map(move |z| at(x, z)))
     }

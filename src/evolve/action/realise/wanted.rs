@@ -6,10 +6,10 @@ use rand::RngExt as _;
 
 use super::library::{KindId, Library};
 use super::step::Failed;
-use crate::evolve::action::{ActionNode, Evidence, PersonFrame, PolarDensity};
+use crate::evolve::action::{ActionNode, Evidence, PersonFrame, Polar, PolarDensity};
 use crate::job::Rng;
 use crate::math::LogNormal;
-use crate::math::directions::{VonMises, VonMisesMixture};
+use crate::math::directions::{PreparedMixture, VonMises, VonMisesMixture};
 use glam::Vec3;
 
 /// ADSE §5.2: things that are there more often than this make the working zone.
@@ -102,14 +102,14 @@ impl<'a> Layout<'a> {
     }
 
     /// How a thing's place is valued.
-    pub fn of<'b>(&'b self, label: &str) -> Preference<'b> {
+    pub fn of(&self, label: &str) -> Preference {
         let person = self.node.placement(label).map(|p| p.density.clone());
         let person = person.unwrap_or_else(|| self.by_hand(label));
         let pairs = self.node.pairs_of(label).flat_map(|pair| {
             let there = self.placed.iter().filter(|(other, _)| *other == pair.reference);
-            there.map(|(_, at)| (pair.together, self.frame.at(*at), &pair.density))
+            there.map(|(_, at)| (pair.together, self.frame.at(*at), Prepared::of(&pair.density)))
         });
-        Preference { frame: self.frame, person, pairs: pairs.collect() }
+        Preference { frame: self.frame, person: Prepared::of(&person), pairs: pairs.collect() }
     }
 
     fn by_hand(&self, label: &str) -> PolarDensity {
@@ -127,13 +127,31 @@ impl<'a> Layout<'a> {
 }
 
 /// P(o) of eq. 10 for one thing.
-pub struct Preference<'a> {
+pub struct Preference {
     frame: PersonFrame,
-    person: PolarDensity,
-    pairs: Vec<(f64, PersonFrame, &'a PolarDensity)>,
+    person: Prepared,
+    pairs: Vec<(f64, PersonFrame, Prepared)>,
 }
 
-impl Preference<'_> {
+/// A [`PolarDensity`] that is asked about thousands of places.
+struct Prepared {
+    distance_m: LogNormal,
+    direction: PreparedMixture,
+}
+
+impl Prepared {
+    fn of(density: &PolarDensity) -> Self {
+        Self { distance_m: density.distance_m, direction: PreparedMixture::of(&density.direction) }
+    }
+
+    /// As [`PolarDensity::density`].
+    fn density(&self, polar: Polar) -> f64 {
+        let distance = self.distance_m.ln_density(f64::from(polar.distance_m));
+        (distance + self.direction.ln_density(f64::from(polar.angle_rad))).exp()
+    }
+}
+
+impl Preference {
     /// P(o, H) + Σ f(o, o') P(o, o') at a place.
     pub fn at(&self, point: Vec3) -> f32 {
         let pairs = self

@@ -98,6 +98,8 @@ pub struct Item {
     pub bounds: Aabb,
     /// Outline of what of it is surely filled, in the world's plan; empty where it leans or nothing is.
     pub solid: Vec<Vec2>,
+    /// Its outline in the world's plan; empty where it leans.
+    pub outline: Vec<Vec2>,
     /// How it lies once somebody moved it, for what leaned against something when it was found.
     laid: Option<Arc<Laid>>,
     /// From the frame that it was found in, about the middle of its underside, to its own.
@@ -120,6 +122,7 @@ impl Item {
             inverse: Affine3A::IDENTITY,
             bounds: Aabb::EMPTY,
             solid: Vec::new(),
+            outline: Vec::new(),
             laid: found.laid.clone(),
             item_from_found: Affine3A::IDENTITY,
         };
@@ -135,6 +138,7 @@ impl Item {
         let upright = pose.lean == Quat::IDENTITY;
         let solid = self.shape.solid.as_ref().filter(|_| upright);
         self.solid = solid.map_or_else(Vec::new, |solid| solid.placed(&pose));
+        self.outline = outline_at(&self.shape, &pose);
     }
 
     /// From its frame to the world.
@@ -158,6 +162,11 @@ impl Item {
         let Some(laid) = &self.laid else { return self.clone() };
         Self { shape: laid.shape.clone(), item_from_found: laid.laid_from_found, laid: None, ..self.clone() }
     }
+}
+
+/// The outline of an upright shape at a place; empty where it leans.
+pub fn outline_at(shape: &Shape, pose: &Pose) -> Vec<Vec2> {
+    if pose.lean == Quat::IDENTITY { shape.plan.iter().map(|p| pose.plan(*p)).collect() } else { Vec::new() }
 }
 
 /// The box around a shape at a place.
@@ -441,7 +450,7 @@ pub(super) mod tests {
         let base = world.item(id).expect("there").clone();
         assert!(matches!(base.held, Held::Surface(_)), "{:?}", base.held);
         let lifted = Lifted::new();
-        let avoid = Avoid { lifted: &lifted, balls: &[] };
+        let avoid = Avoid::new(&lifted, &[]);
         let coin = Shape::new(block_triangles(Vec3::new(0.03, 0.005, 0.03)));
         let onto = Onto::Item { id, top_m: base.bounds.max.y };
         let rest = world.place(&coin, Vec2::new(0.01, 0.0), 0.0, onto, &avoid).expect("on the box");
