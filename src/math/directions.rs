@@ -33,10 +33,15 @@ pub struct Resultant {
 impl Resultant {
     /// Of (angle, weight) pairs; weights are not negative.
     pub fn of(angles: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        let sum = |(c, s, w): (f64, f64, f64), (angle, weight): (f64, f64)| {
-            (c + weight * angle.cos(), s + weight * angle.sin(), w + weight)
+        Self::of_units(angles.into_iter().map(|(angle, weight)| ([angle.cos(), angle.sin()], weight)))
+    }
+
+    /// The same of unit vectors `[cos, sin]`, for angles that are asked often.
+    fn of_units(units: impl IntoIterator<Item = ([f64; 2], f64)>) -> Self {
+        let sum = |(c, s, w): (f64, f64, f64), ([cos, sin], weight): ([f64; 2], f64)| {
+            (c + weight * cos, s + weight * sin, w + weight)
         };
-        let (c, s, weight) = angles.into_iter().fold((0.0, 0.0, 0.0), sum);
+        let (c, s, weight) = units.into_iter().fold((0.0, 0.0, 0.0), sum);
         if weight <= 0.0 {
             return Self::default();
         }
@@ -63,7 +68,12 @@ impl VonMises {
 
     /// Natural logarithm of the density per radian.
     pub fn ln_density(&self, angle_rad: f64) -> f64 {
-        self.kappa * ((angle_rad - self.mean_rad).cos() - 1.0) - TAU.ln() - ln_bessel_i0_scaled(self.kappa)
+        self.ln_density_with(angle_rad, ln_bessel_i0_scaled(self.kappa))
+    }
+
+    /// The same with ln I0(κ), scaled, known.
+    fn ln_density_with(&self, angle_rad: f64, ln_i0: f64) -> f64 {
+        self.kappa * ((angle_rad - self.mean_rad).cos() - 1.0) - TAU.ln() - ln_i0
     }
 
     /// Density per radian.
@@ -266,7 +276,8 @@ impl VonMisesMixture {
 
     /// Sum of the logarithms of the densities of some angles.
     pub fn ln_likelihood(&self, angles: &[f64]) -> f64 {
-        angles.iter().map(|a| self.ln_density(*a)).sum()
+        let prepared = PreparedMixture::of(self);
+        angles.iter().map(|a| prepared.ln_density(*a)).sum()
     }
 
     /// Draws an angle, -π to π.
@@ -291,6 +302,27 @@ impl VonMisesMixture {
     }
 }
 
+/// A mixture with all that does not depend on the angle, for asking it about many.
+#[derive(Clone, Debug)]
+pub struct PreparedMixture {
+    /// ln of the weight, the distribution, and ln I0 of its κ.
+    components: Vec<(f64, VonMises, f64)>,
+}
+
+impl PreparedMixture {
+    /// Of a mixture.
+    pub fn of(mixture: &VonMisesMixture) -> Self {
+        let prepared = |(w, part): &(f64, VonMises)| (w.ln(), *part, ln_bessel_i0_scaled(part.kappa));
+        Self { components: mixture.components.iter().map(prepared).collect() }
+    }
+
+    /// Bit by bit what [`VonMisesMixture::ln_density`] says.
+    pub fn ln_density(&self, angle_rad: f64) -> f64 {
+        let of = |(ln_w, part, ln_i0): &(f64, VonMises, f64)| ln_w + part.ln_density_with(angle_rad, *ln_i0);
+        ln_sum_exp(self.components.iter().map(of))
+    }
+}
+
 /// ln Σ exp, safe where every term is very small.
 pub fn ln_sum_exp(terms: impl Iterator<Item = f64> + Clone) -> f64 {
     let most = terms.clone().fold(f64::NEG_INFINITY, f64::max);
@@ -312,10 +344,11 @@ mod em {
 
     pub(super) fn fit(angles: &[f64], count: usize, config: &MixtureConfig, seed: u64) -> VonMisesMixture {
         let mut best: Option<(f64, VonMisesMixture)> = None;
+        let units: Vec<[f64; 2]> = angles.iter().map(|a| [a.cos(), a.sin()]).collect();
         for restart in 0..config.restarts.max(1) {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream((count * 1000 + restart) as u64);
-            let run = one_run(angles, start(angles, count, &mut rng), config);
+            let run = one_run(angles, &units, start(angles, count, &mut rng), config);
             if best.as_ref().is_none_or(|(most, _)| run.0 > *most) {
                 best = Some(run);
             }
@@ -347,6 +380,7 @@ mod em {
 
     fn one_run(
         angles: &[f64],
+        units: &[[f64; 2]],
         mut mixture: VonMisesMixture,
         config: &MixtureConfig,
     ) -> (f64, VonMisesMixture) {
@@ -357,7 +391,7 @@ mod em {
                 break;
             }
             before = ln_likelihood;
-            mixture = maximise(angles, &shares, config.most_kappa);
+            mixture = maximise(units, &shares, config.most_kappa);
         }
         (mixture.ln_likelihood(angles), mixture)
     }
@@ -381,9 +415,9 @@ mod em {
         (total, shares)
     }
 
-    fn maximise(angles: &[f64], shares: &[Vec<f64>], most_kappa: f64) -> VonMisesMixture {
+    fn maximise(units: &[[f64; 2]], shares: &[Vec<f64>], most_kappa: f64) -> VonMisesMixture {
         let resultants =
-            shares.iter().map(|share| Resultant::of(angles.iter().copied().zip(share.iter().copied())));
+            shares.iter().map(|share| Resultant::of_units(units.iter().copied().zip(share.iter().copied())));
         let kept: Vec<Resultant> = resultants.filter(|r| r.weight > LEAST_SHARE).collect();
         let total: f64 = kept.iter().map(|r| r.weight).sum();
         let component = |r: &Resultant| (r.weight / total, VonMises::of(r, most_kappa));
@@ -436,6 +470,14 @@ mod tests {
             assert!((drawn.length - bessel_ratio(kappa)).abs() < 0.012, "{drawn:?} for {kappa}");
             assert!(kappa < 0.1 || wrap(drawn.mean_rad - 2.5).abs() < 0.06, "{drawn:?}");
         }
+    }
+
+    #[test]
+    fn a_prepared_mixture_says_the_same_bit_by_bit() {
+        let truth = of(&[(0.5, 2.5, 3.0), (0.3, -1.0, 45.0), (0.2, 0.0, 0.0)]);
+        let prepared = PreparedMixture::of(&truth);
+        let angles = draws(&truth, 500, 8);
+        assert!(angles.iter().all(|a| prepared.ln_density(*a) == truth.ln_density(*a)));
     }
 
     #[test]

@@ -152,7 +152,7 @@ impl Pooled {
             |places: &Vec<_>| nodes::fit_density(places, Evidence::Everything, config, metres_per_unit, seed);
         Self {
             occurrence: places.keys().map(|o| (o.clone(), shares(o))).collect(),
-            around: places.iter().filter_map(|(o, p)| Some((o.clone(), fit(p)?))).collect(),
+            around: places.par_iter().filter_map(|(o, p)| Some((o.clone(), fit(p)?))).collect(),
         }
     }
 }

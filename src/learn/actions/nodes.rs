@@ -1,8 +1,9 @@
 //! From instances to action nodes: occurrence, layouts, groups (ADSE §4.2 and 4.4).
 
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::instances::{Found, Group, Instance, PlacedThing};
@@ -117,11 +118,10 @@ pub fn build_model(
     seed: Seed,
 ) -> ActionModel {
     let samples = Samples::of(&found.instances);
-    let learner = Learner { samples, rules, config, metres_per_unit, seed, fitted: RefCell::default() };
-    let mut nodes: Vec<ActionNode> = Vec::new();
-    for (key, members) in &grouped(&found.instances, config.node_least) {
-        nodes.push(learner.node(*key, members));
-    }
+    let learner = Learner { samples, rules, config, metres_per_unit, seed, fitted: Mutex::default() };
+    let grouped: Vec<_> = grouped(&found.instances, config.node_least).into_iter().collect();
+    let mut nodes: Vec<ActionNode> =
+        grouped.par_iter().with_max_len(1).map(|(key, members)| learner.node(*key, members)).collect();
     if let Some(node) = learner.group_node(&found.groups, &nodes) {
         nodes.push(node);
     }
@@ -193,8 +193,12 @@ struct Learner<'a> {
     metres_per_unit: f64,
     seed: Seed,
     /// Layouts by what they are of and whose places they rest on: many nodes share those of their type.
-    fitted: RefCell<BTreeMap<String, Option<PolarDensity>>>,
+    fitted: Mutex<BTreeMap<String, Fitted>>,
 }
+
+/// A layout that whoever asks first fits, while others who ask for the same wait. Each has a seed of its own, so nothing
+/// depends on who that is.
+type Fitted = Arc<OnceLock<Option<PolarDensity>>>;
 
 impl Learner<'_> {
     fn node(&self, key: NodeKey, members: &[&Instance]) -> ActionNode {
@@ -297,13 +301,15 @@ impl Learner<'_> {
 
     /// The layout of places alone, fitted once.
     fn fitted(&self, places: &[PolarUnits], evidence: Evidence, name: &str) -> Option<PolarDensity> {
-        if let Some(known) = self.fitted.borrow().get(name) {
-            return known.clone();
-        }
-        let seed = self.seed.child(name, 0);
-        let density = fit_density(places, evidence, self.config, self.metres_per_unit, seed);
-        self.fitted.borrow_mut().insert(name.to_owned(), density.clone());
-        density
+        let fitted: Fitted = {
+            let mut known = self.fitted.lock().unwrap_or_else(PoisonError::into_inner);
+            known.entry(name.to_owned()).or_default().clone()
+        };
+        let fit = || {
+            let seed = self.seed.child(name, 0);
+            fit_density(places, evidence, self.config, self.metres_per_unit, seed)
+        };
+        fitted.get_or_init(fit).clone()
     }
 
     /// A layout of few places with the wider one as its prior, which weighs as much as `prior_places` of them. Told as
