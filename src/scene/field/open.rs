@@ -118,10 +118,13 @@ mod tests {
     #[test]
     fn nothing_is_known_of_what_was_not_asked_for_nor_of_nan() {
         let field = balls();
-        let corner = Aabb { min: field.origin, max: field.origin + Vec3::splat(0.1) };
-        let blocks = OpenBlocks::within(&field, &corner);
-        assert!(blocks.is_open(&field, field.origin + Vec3::splat(0.05)));
-        assert!(!blocks.is_open(&field, field.origin + Vec3::new(1.5, 0.05, 0.05)));
+        let (asked, beside) = (Vec3::new(1.8, 0.05, 0.05), Vec3::new(1.0, 0.05, 0.05));
+        let around = Aabb { min: field.origin + asked, max: field.origin + asked };
+        let blocks = OpenBlocks::within(&field, &around);
+        assert!(blocks.is_open(&field, field.origin + asked));
+        assert!(!blocks.is_open(&field, field.origin + beside));
+        let whole = OpenBlocks::within(&field, &field.bounds());
+        assert!(whole.is_open(&field, field.origin + beside), "it is open there, and only nobody asked");
         assert!(!blocks.is_open(&field, Vec3::NAN));
     }
 }

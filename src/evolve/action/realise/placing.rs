@@ -32,6 +32,10 @@ const BALANCE_M: f32 = 0.0;
 pub const CORES: f32 = 0.8;
 /// The middle of a thing may be inside of what stays by this much: the field is coarse and sheets are thin.
 const DEEPEST_M: f32 = -0.04;
+/// A thing that would rest this far below the usual height of a surface isn't on it.
+const MOST_BELOW_M: f32 = 0.3;
+/// What lies farther below is under nothing that rests on the surface, leaning or not: rays end there.
+const LOWEST_M: f32 = MOST_BELOW_M + 0.25;
 /// Rays start so far above a surface's usual height: its unevenness.
 const UNEVEN_M: f32 = 0.03;
 /// A point of a thing's underside over what is below it.
@@ -218,7 +222,7 @@ impl World {
             under = self.under(shape, &pose, on);
         }
         let rest_m = under.iter().map(|u| u.top_m - u.point.y).fold(f32::NEG_INFINITY, f32::max);
-        if !rest_m.is_finite() || rest_m < on.height_m() - 0.3 {
+        if !rest_m.is_finite() || rest_m < on.height_m() - MOST_BELOW_M {
             return Err(Refused::Overhangs);
         }
         let carries_m = CARRIES_M[usize::from(on.is_soft())];
@@ -252,7 +256,7 @@ impl World {
             let point = turn * Vec3::new(p.at.x, p.lift_m, p.at.y);
             let foot_m = (turn * Vec3::new(p.at.x, 0.0, p.at.y)).y;
             let at = flat(pose.at) + flat(point);
-            Under { point, foot_m, top_m: self.top_below(at, from_m, &things).0 }
+            Under { point, foot_m, top_m: self.top_within(at, from_m, LOWEST_M, &things).0 }
         };
         shape.under.iter().map(look).collect()
     }

@@ -355,17 +355,28 @@ impl World {
 
     /// The highest point below `from_m` at a place of the plan, and whose it is: the room's or one of `things`.
     pub fn top_below(&self, at: Vec2, from_m: f32, things: &Things<'_>) -> (f32, Option<ObjectId>) {
+        self.top_within(at, from_m, 4.0, things)
+    }
+
+    /// The same down to `reach_m` below `from_m` only: soon told where that is not far.
+    pub fn top_within(
+        &self,
+        at: Vec2,
+        from_m: f32,
+        reach_m: f32,
+        things: &Things<'_>,
+    ) -> (f32, Option<ObjectId>) {
         let from = Vec3::new(at.x, from_m, at.y);
-        let cast = self.stage.geometry.bvh.cast(from, Vec3::NEG_Y, 4.0);
+        let cast = self.stage.geometry.bvh.cast(from, Vec3::NEG_Y, reach_m);
         let mut best = (cast.map_or(f32::NEG_INFINITY, |h| from_m - h.distance_m), None);
         if matches!(things, Things::None) {
             return best;
         }
-        let column = Aabb { min: from.with_y(best.0.max(from_m - 4.0)), max: from };
+        let column = Aabb { min: from.with_y(best.0.max(from_m - reach_m)), max: from };
         for item in self.any_near(&column).filter(|i| things.count(i.id)) {
             let local = item.inverse.transform_point3(from);
             let down = item.inverse.transform_vector3(Vec3::NEG_Y);
-            if let Some(hit) = item.shape.tree.cast(local, down, 4.0)
+            if let Some(hit) = item.shape.tree.cast(local, down, reach_m)
                 && from_m - hit.distance_m > best.0
             {
                 best = (from_m - hit.distance_m, Some(item.id));
