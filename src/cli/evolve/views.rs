@@ -14,6 +14,8 @@ const SAMPLES: usize = 64;
 const AT_HAND_M: f32 = 0.9;
 /// A thing's own depth: what is nearer than this to a point of it does not hide it.
 const OWN_DEPTH_M: f32 = 0.05;
+/// Walls this near to the room's box are outer ones, metres.
+const OUTER_M: f32 = 0.35;
 /// A camera stands at least this far from walls and furniture, metres.
 const ROOM_FOR_CAMERA_M: f32 = 0.12;
 /// Two views differ by at least this angle, a little less than a right one (radians).
@@ -44,11 +46,11 @@ struct Subject {
     fronts: Vec<Vec2>,
 }
 
-/// What hides it: all of the room from inside; from outside, where walls are cut away, what stands in it.
+/// What hides it: furniture, and walls but for the outer ones that are cut away for a camera outside.
 struct Screens {
     bounds: Aabb,
-    all: TriangleBvh,
     furniture: TriangleBvh,
+    shell: TriangleBvh,
 }
 
 /// Up to `count` views of the last action, the clearest first; none before the first action.
@@ -153,26 +155,36 @@ impl Screens {
             let kept = room.objects.iter().filter(|o| o.visible && keep(o));
             TriangleBvh::new(kept.flat_map(Object::world_triangles).collect())
         };
-        Self { bounds: room.bounds(), all: triangles(|_| true), furniture: triangles(|o| !is_shell(o)) }
+        Self { bounds: room.bounds(), furniture: triangles(|o| !is_shell(o)), shell: triangles(is_shell) }
     }
 
     /// Share of points that a camera sees; 0 where no camera could stand.
     fn seen(&self, camera: &Camera, points: &[Vec3]) -> f32 {
-        let outside = !self.bounds.contains(camera.eye);
-        let screens = if outside { &self.furniture } else { &self.all };
-        if screens.closest(camera.eye, ROOM_FOR_CAMERA_M).is_some() {
+        let near = |tree: &TriangleBvh| tree.closest(camera.eye, ROOM_FOR_CAMERA_M).is_some();
+        if near(&self.furniture) || near(&self.shell) {
             return 0.0;
         }
-        let seen = points.iter().filter(|point| {
-            let way = camera.eye - **point;
-            let direction = way.normalize_or(Vec3::Y);
-            !screens.any_hit(**point + direction * OWN_DEPTH_M, direction, way.length() - OWN_DEPTH_M)
-        });
+        let seen = points.iter().filter(|point| !self.hide(**point, camera.eye));
         seen.count() as f32 / points.len().max(1) as f32
+    }
+
+    fn hide(&self, point: Vec3, eye: Vec3) -> bool {
+        let way = eye - point;
+        let direction = way.normalize_or(Vec3::Y);
+        let (from, far_m) = (point + direction * OWN_DEPTH_M, way.length() - OWN_DEPTH_M);
+        let wall = self.shell.cast(from, direction, far_m).map(|hit| from + direction * hit.distance_m);
+        let cut_away = |at: Vec3| !self.bounds.contains(eye) && self.is_outer(at);
+        wall.is_some_and(|at| !cut_away(at)) || self.furniture.any_hit(from, direction, far_m)
+    }
+
+    /// Whether a point of a wall or a ceiling is at the room's box.
+    fn is_outer(&self, at: Vec3) -> bool {
+        let aside = (at - self.bounds.min).min(self.bounds.max - at);
+        aside.x.min(aside.z).min(self.bounds.max.y - at.y) < OUTER_M
     }
 }
 
-/// What is cut away for a camera outside the room.
+/// Walls, floor and ceiling, and what hangs on them.
 fn is_shell(object: &Object) -> bool {
     use Category::{Beam, Blinds, Ceiling, Curtain, Door, Floor, Mirror, Picture, Wall, Window};
     matches!(
