@@ -31,7 +31,7 @@ mod workspace;
 pub use clip_folder::{ClipFolderError, read_clips};
 pub use export::skinned_mesh;
 pub use export_clip::{amass_motion, rig_motion, skinned_clip};
-pub use families::{Attention, FamilyHints, HandOn, LeanStyle, SampledPose, sample_pose};
+pub use families::{Attention, FamilyHints, HandOn, LeanStyle, LyingSide, SampledPose, sample_pose};
 pub use feet::{Feet, FootPose, TREADS};
 pub use hand_space::{HAND_CODE, HAND_JOINTS, HandSpace, HandSpaceError};
 pub use hands::HandShape;

@@ -8,7 +8,7 @@ use glam::{Mat3, Vec3};
 use super::energy::{Energy, Term};
 use super::probe::Probe;
 use crate::body::joints::JOINTS;
-use crate::inspect::surface_samples;
+use crate::inspect::{each_surface_sample, surface_samples};
 use crate::math::Aabb;
 use crate::scene::{RoomGeometry, SignedDistanceField};
 
@@ -40,9 +40,12 @@ impl<'a> Surroundings<'a> {
     /// a room's finely tiled furniture has millions of triangles and a motion passes all of it.
     pub fn along(geometry: &'a RoomGeometry, bounds: Aabb) -> Self {
         let mut seen = HashSet::new();
-        let mut surface = surface_samples(geometry.bvh.triangles(), &bounds, SPACING_M);
-        surface.retain(|p| seen.insert((*p / SPACING_M).floor().as_ivec3()));
-        surface.shrink_to_fit();
+        let mut surface = Vec::new();
+        each_surface_sample(geometry.bvh.triangles(), &bounds, SPACING_M, |p| {
+            if seen.insert((p / SPACING_M).floor().as_ivec3()) {
+                surface.push(p);
+            }
+        });
         Self { field: &geometry.field, surface }
     }
 

@@ -20,9 +20,13 @@ pub struct Cells {
 impl Cells {
     /// Sorts the cells of `surface`.
     pub fn new(surface: &SupportSurface) -> Self {
+        Self::of_points(surface.cells.iter().map(|c| c.position))
+    }
+
+    /// Sorts any points, world frame; of points above each other the highest counts.
+    pub fn of_points(points: impl Iterator<Item = Vec3>) -> Self {
         let mut bins = HashMap::new();
-        for cell in &surface.cells {
-            let top = cell.position;
+        for top in points {
             let height: &mut f32 = bins.entry(bin(flat(top))).or_insert(top.y);
             *height = height.max(top.y);
         }

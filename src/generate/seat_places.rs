@@ -13,6 +13,8 @@ const SEAT_HEIGHT_M: std::ops::RangeInclusive<f32> = 0.26..=0.62;
 const STOOL_HEIGHT_M: std::ops::RangeInclusive<f32> = 0.26..=0.9;
 /// From the front edge back to below the pelvis joint: thigh length less what overhangs.
 const THIGH_ON_SEAT_M: f32 = 0.36;
+/// Who sits on a deep seat sits so much farther back at most: then the calves lie against its front.
+const FARTHER_BACK_M: f32 = 0.03;
 /// From the backrest to below the pelvis joint: half the depth of the buttocks.
 const PELVIS_TO_BACK_M: f32 = 0.14;
 /// Weight of places that one sits on only where there is nothing else.
@@ -96,6 +98,7 @@ fn edge_seat(
         support: Some(index),
         hints: FamilyHints {
             seat_height_m: Some(edge.drop_m),
+            seat_behind_m: Some(inward_m - depth_m),
             armrest_above_seat_m: armrest(surface, outward),
             table_height_m: table.map(|t| t.height_m),
             table_reach_m: table.map(|t| t.reach_m),
@@ -139,7 +142,7 @@ fn seat_depth(inward_m: f32) -> Option<f32> {
         return None;
     }
     let before_back = inward_m - PELVIS_TO_BACK_M;
-    let comfortable = THIGH_ON_SEAT_M.max(before_back.min(THIGH_ON_SEAT_M + 0.12));
+    let comfortable = THIGH_ON_SEAT_M.max(before_back.min(THIGH_ON_SEAT_M + FARTHER_BACK_M));
     Some(comfortable.min(before_back.max(inward_m * 0.5)))
 }
 
@@ -265,7 +268,8 @@ mod tests {
         let chair = seat_depth(0.42).expect("a chair is a seat");
         assert!((0.2..0.3).contains(&chair), "{chair}");
         let bed = seat_depth(1.2).expect("a bed is a seat");
-        assert!((0.3..0.5).contains(&bed), "{bed}");
+        // Deeper, the calves of an adult would be in the front of the seat.
+        assert!((0.3..0.4).contains(&bed), "{bed}");
     }
 
     #[test]

@@ -23,4 +23,4 @@ pub use motion::{
     SKATES_CM_PER_S, inspect_motion, jitter_m_per_s3, pop_ratio, stance_drift_m, tread_speed_m_per_s,
 };
 pub use representation::Reconstruction;
-pub use surface::{BodySolid, surface_samples};
+pub use surface::{BodySolid, each_surface_sample, surface_samples};

@@ -69,6 +69,18 @@ impl BodySolid {
 /// Points on those parts of `triangles` that lie in `within`, about `spacing_m` apart or nearer.
 pub fn surface_samples(triangles: &[[Vec3; 3]], within: &Aabb, spacing_m: f32) -> Vec<Vec3> {
     let mut samples = Vec::new();
+    each_surface_sample(triangles, within, spacing_m, |p| samples.push(p));
+    samples
+}
+
+/// Calls `take` with each of [`surface_samples`]: where most are not kept, as those of finely tiled things are not, there
+/// would be hundreds of millions of them at once.
+pub fn each_surface_sample(
+    triangles: &[[Vec3; 3]],
+    within: &Aabb,
+    spacing_m: f32,
+    mut take: impl FnMut(Vec3),
+) {
     let mut pending: Vec<[Vec3; 3]> = Vec::new();
     for triangle in triangles {
         pending.push(*triangle);
@@ -78,11 +90,10 @@ pub fn surface_samples(triangles: &[[Vec3; 3]], within: &Aabb, spacing_m: f32) -
             }
             match halves(piece, spacing_m) {
                 Some(parts) => pending.extend(parts),
-                None => samples.push((piece[0] + piece[1] + piece[2]) / 3.0),
+                None => take((piece[0] + piece[1] + piece[2]) / 3.0),
             }
         }
     }
-    samples
 }
 
 /// The two halves of a triangle across its longest edge, or `None` when that edge is short enough to sample.

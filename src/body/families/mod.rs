@@ -35,6 +35,8 @@ pub struct FamilyHints {
     pub seat_height_m: Option<f32>,
     /// Armrests above the seat.
     pub armrest_above_seat_m: Option<f32>,
+    /// From below the pelvis back to where the seat ends or its back rises.
+    pub seat_behind_m: Option<f32>,
     /// Table (sitting) or counter (leaning) in front, above the floor.
     pub table_height_m: Option<f32>,
     /// From the pelvis forward to where hands lie on that table or counter.
@@ -43,6 +45,21 @@ pub struct FamilyHints {
     pub lean: Option<LeanStyle>,
     /// What hands and eyes are on.
     pub attention: Option<Attention>,
+    /// Length from the crown to the toes that somebody who lies has; who is longer draws the legs up.
+    pub lying_length_m: Option<f32>,
+    /// Pillow or armrest under the head, above what the back lies on.
+    pub pillow_m: Option<f32>,
+    /// On which side somebody lies; drawn when not said.
+    pub lies_on: Option<LyingSide>,
+}
+
+/// On which side somebody lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LyingSide {
+    /// The left arm below.
+    Left,
+    /// The right arm below.
+    Right,
 }
 
 /// How somebody leans.
@@ -128,13 +145,18 @@ fn draw(
         | PoseFamily::SitStool
         | PoseFamily::SitEdge
         | PoseFamily::SitStraight => sit::sit(&mut figure, family, rng, hints),
-        PoseFamily::LieUp => lie::face_up(&mut figure, rng),
+        PoseFamily::LieUp => lie::face_up(&mut figure, rng, hints),
         PoseFamily::LieDown => lie::face_down(&mut figure, rng),
-        PoseFamily::LieSide => lie::on_side(&mut figure, rng),
+        PoseFamily::LieSide => lie::on_side(&mut figure, rng, hints),
     };
     // People are not left-handed alike: half of all poses are mirrored.
+    let mirrored = rng.chance(0.5);
+    let mirrored = match (family, hints.lies_on) {
+        (PoseFamily::LieSide, Some(side)) => side == LyingSide::Left,
+        _ => mirrored,
+    };
     let (mut figure, mut hands) =
-        if rng.chance(0.5) { (figure.mirrored(), [hands[1], hands[0]]) } else { (figure, hands) };
+        if mirrored { (figure.mirrored(), [hands[1], hands[0]]) } else { (figure, hands) };
     if let Some(attention) = &hints.attention {
         attention::attend(&mut figure, attention, &mut hands, rng);
     }
@@ -202,6 +224,62 @@ mod tests {
                 let size = Aabb::of(posed(&sample).vertices).size();
                 let highest = if family == PoseFamily::LieSide { 0.6 } else { 0.48 };
                 assert!(size.y < highest && size.z > 1.1, "{}: {size}", family.label());
+            }
+        }
+    }
+
+    #[test]
+    fn who_has_little_length_to_lie_draws_the_legs_up_to_fit() {
+        let long_m = |family: PoseFamily, hints: &FamilyHints| {
+            let longest = |sample: &SampledPose| Aabb::of(posed(sample).vertices).size().z;
+            draws(family, 20, hints).iter().map(longest).fold(0.0, f32::max)
+        };
+        for family in [PoseFamily::LieUp, PoseFamily::LieSide] {
+            let short = FamilyHints { lying_length_m: Some(1.4), ..FamilyHints::default() };
+            let (free, fitted) = (long_m(family, &FamilyHints::default()), long_m(family, &short));
+            assert!(fitted < 1.48, "{}: {fitted} m for a length of 1.4 m", family.label());
+            assert!(free > fitted + 0.1, "{}: {free} m without being told", family.label());
+        }
+    }
+
+    #[test]
+    fn people_lie_on_the_side_that_is_asked_for() {
+        use crate::body::joints::{LEFT_SHOULDER, RIGHT_SHOULDER};
+        for (side, below, above) in [
+            (LyingSide::Left, LEFT_SHOULDER, RIGHT_SHOULDER),
+            (LyingSide::Right, RIGHT_SHOULDER, LEFT_SHOULDER),
+        ] {
+            let hints = FamilyHints { lies_on: Some(side), ..FamilyHints::default() };
+            for sample in draws(PoseFamily::LieSide, 10, &hints) {
+                let joints = posed(&sample).joints;
+                assert!(joints[above].y > joints[below].y + 0.15, "{side:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_pillow_lifts_the_head() {
+        let head_m = |pillow_m: Option<f32>| {
+            let hints = FamilyHints { pillow_m, ..FamilyHints::default() };
+            let heads = draws(PoseFamily::LieUp, 30, &hints);
+            heads.iter().map(|sample| posed(sample).joints[joints::HEAD].y).sum::<f32>() / 30.0
+        };
+        let (flat, lifted) = (head_m(None), head_m(Some(0.18)));
+        assert!(lifted > flat + 0.06, "{flat} m without, {lifted} m with a pillow of 18 cm");
+    }
+
+    #[test]
+    fn nobody_lays_an_arm_along_a_back_that_is_far_behind() {
+        let hints = FamilyHints { seat_behind_m: Some(0.5), ..FamilyHints::default() };
+        for sample in draws(PoseFamily::SitSofa, 80, &hints) {
+            let joints = posed(&sample).joints;
+            for (shoulder, wrist) in [
+                (joints::LEFT_SHOULDER, LEFT_WRIST),
+                (joints::mirror(joints::LEFT_SHOULDER), joints::mirror(LEFT_WRIST)),
+            ] {
+                let out = (joints[wrist] - joints[shoulder]).x.abs();
+                let level = (joints[wrist] - joints[shoulder]).y > -0.15;
+                assert!(!(level && out > 0.3), "an arm is held out to the side");
             }
         }
     }

@@ -187,6 +187,9 @@ fn cross_knees(figure: &mut Figure, seat: Seat, rng: &mut impl Chance) {
     set_foot(figure, Side::Left, foot);
 }
 
+/// Backs farther behind the pelvis than this are out of an arm's reach for somebody at ease.
+const BACK_IN_REACH_M: f32 = 0.22;
+
 fn arm_goals(
     family: PoseFamily,
     seat_m: f32,
@@ -213,13 +216,18 @@ fn arm_goals(
         let rest = Armrest(height_m - HIP_ABOVE_SEAT_M);
         return rng.pick(&[(0.5, [rest, rest]), (0.3, [rest, thigh[1]]), (0.2, [rest, Chin])]);
     }
+    // An arm lies along a backrest only where one is within its reach.
+    let spread = match hints.seat_behind_m {
+        Some(behind_m) if behind_m > BACK_IN_REACH_M => thigh[0],
+        _ => Spread,
+    };
     match family {
         PoseFamily::SitSofa => rng.pick(&[
             (0.32, thigh),
             (0.18, [InLap, InLap]),
             (0.14, folded),
             (0.12, [Beside, thigh[1]]),
-            (0.12, [Spread, thigh[1]]),
+            (0.12, [spread, thigh[1]]),
             (0.12, [Gesture, thigh[1]]),
         ]),
         PoseFamily::SitEdge if recline > 0.0 => {

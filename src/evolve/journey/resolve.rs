@@ -1,6 +1,6 @@
 //! A body for each sub-goal: on the seat or bed, or standing, at the point and in the direction that were asked for.
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::{Cast, GoalReport};
@@ -29,6 +29,8 @@ const TURNED: f32 = 1.2;
 const HALF_TURN_M: f32 = 0.8;
 /// Places of one seat that are tried, and ways to hold oneself at each.
 const TRIES: (usize, u64) = (3, 2);
+/// Ways to lie at a place that are tried before it is given up: on the back and on the side.
+const WAYS_TO_LIE: usize = 2;
 /// Weights of the place in a fit, per squared metre: a centimetre and a half off weighs as much as a gap of a centimetre,
 /// and along the floor, where the point was asked for, a third of a centimetre does.
 const PLACE: f32 = 80.0;
@@ -38,6 +40,15 @@ const ON_FLOOR_M: f32 = 0.2;
 /// A miss of this many centimetres, or degrees, is as bad as a finding that misses its limit by its own size: what was
 /// asked for comes before how well it is done.
 const MISS: (f32, f32) = (2.0, 4.0);
+/// How often a body that ended beside what was asked for is aimed anew, the share of what is allowed that it is aimed
+/// for, and by how much it is turned at most each time, radians.
+const AIMS: usize = 3;
+const HALF: f32 = 0.5;
+const MOST_AIM: f32 = 0.35;
+/// A body whose feet leave no room to get up is as bad as a finding that misses its limit five times.
+const STUCK: f32 = 5.0;
+/// A place this near to the point asked for is that point, metres.
+const EXACTLY_M: f32 = 1e-3;
 /// How much less one likes to lie face down or on the side, metres of distance.
 const LIES_OTHERWISE_M: f32 = 0.15;
 /// Height at which people look around, metres, and how far they care to see.
@@ -137,13 +148,24 @@ fn figure(body: &Body, betas: &[f32; BETAS], frame: &Frame) -> Vec<Vec3> {
     FrameJoints::of(&body.model.rest_joints(betas), frame).positions.to_vec()
 }
 
-/// Where a body is and which way it faces: its front, or from pelvis to feet where it lies.
+/// Where a body is and which way it faces: its front, or, where it lies, along the trunk towards the feet, however the
+/// legs are drawn up.
 fn place_of(joints: &[Vec3], frame: &Frame, pose: GoalPose) -> (Vec3, f32) {
     let direction = match pose {
-        GoalPose::Lie => 0.5 * (joints[j::LEFT_ANKLE] + joints[j::RIGHT_ANKLE]) - joints[j::PELVIS],
+        GoalPose::Lie => joints[j::PELVIS] - joints[j::NECK],
         _ => frame.rotation * Vec3::Z,
     };
     (joints[j::PELVIS], facing_of(flat(direction)))
+}
+
+/// Whether a miss is within a share of what is allowed.
+fn is_near((cm, deg): (f32, f32), share: f32) -> bool {
+    cm <= share * super::GOAL_CM && deg <= share * super::GOAL_DEG
+}
+
+/// A miss in units of what is allowed.
+fn worse((cm, deg): (f32, f32)) -> f32 {
+    (cm / super::GOAL_CM).max(deg / super::GOAL_DEG)
 }
 
 /// Finds bodies for the sub-goals of one journey.
@@ -152,6 +174,13 @@ pub(super) struct Resolver<'a> {
     places: Vec<Place>,
     fitter: Fitter<'a>,
     seed: Seed,
+}
+
+/// One fit: the body, how far it misses what was asked for, and where it is and faces.
+struct Fit {
+    params: BodyParams,
+    miss: (f32, f32),
+    at: (Vec3, f32),
 }
 
 /// A body at a place with what speaks against it.
@@ -189,15 +218,41 @@ impl<'a> Resolver<'a> {
     /// What speaks against a body at the very point of a sub-goal for who comes from somewhere: 0 for nothing, infinity
     /// where none is met there or nobody gets to it.
     pub fn fault(&self, goal: &SubGoal, from: &Spot, ticker: &Ticker) -> Result<f32, Cancelled> {
+        let lies = goal.pose == GoalPose::Lie;
+        let near = self.near_places(goal, if lies { "lie" } else { "sit" });
+        let mut least = f32::INFINITY;
+        let ways = near.iter().take(if lies { WAYS_TO_LIE } else { 1 });
+        for (place, attempt) in ways.flat_map(|place| (0..TRIES.1).map(move |attempt| (place, attempt))) {
+            let seed = self.seed.child("try", attempt);
+            let found = self.candidate(goal, place, seed, false, ticker)?;
+            let reached = lies || self.is_reached(&self.frame(&found.params), from);
+            let fault = match (reached && found.met, found.clean) {
+                (true, true) => 0.0,
+                (true, false) => found.badness,
+                (false, _) => f32::INFINITY,
+            };
+            least = least.min(fault);
+            if least == 0.0 {
+                break;
+            }
+        }
+        Ok(least)
+    }
+
+    /// A sub-goal where a body rests by itself, and what speaks against it there ([`Self::fault`]): at the very point, or,
+    /// where the seat does not let one be there, where one comes to rest nearby.
+    pub fn settled(&self, goal: &SubGoal, from: &Spot, ticker: &Ticker) -> Result<(f32, SubGoal), Cancelled> {
+        let fault = self.fault(goal, from, ticker)?;
         let near = self.near_places(goal, if goal.pose == GoalPose::Lie { "lie" } else { "sit" });
-        let Some(place) = near.first() else { return Ok(f32::INFINITY) };
-        let found = self.candidate(goal, place, true, self.seed, false, ticker)?;
-        let reached = goal.pose == GoalPose::Lie || self.is_reached(&self.frame(&found.params), from);
-        Ok(match (reached && found.met, found.clean) {
-            (true, true) => 0.0,
-            (true, false) => found.badness,
-            (false, _) => f32::INFINITY,
-        })
+        let (Some(place), true) = (near.first(), fault > 0.0) else { return Ok((fault, goal.clone())) };
+        // Asked for nothing in particular, the fit is free to leave the point.
+        let anywhere = SubGoal { at: goal.at + Vec3::X, ..goal.clone() };
+        let found = self.candidate(&anywhere, place, self.seed, false, ticker)?;
+        let frame = self.frame(&found.params);
+        let joints = figure(self.cast.body, &self.cast.request.betas, &frame);
+        let moved = SubGoal { at: joints[j::PELVIS].with_y(goal.at.y), ..goal.clone() };
+        let again = self.fault(&moved, from, ticker)?;
+        Ok(if again < fault { (again, moved) } else { (fault, goal.clone()) })
     }
 
     /// Whether one can walk to where one sits down into a body.
@@ -381,8 +436,8 @@ impl<'a> Resolver<'a> {
         let cost = |p: &Place| {
             let turn = goal.facing.map_or(0.0, |asked| turn_between(asked, facing(p)).abs());
             let otherwise = match p.family {
-                PoseFamily::LieDown | PoseFamily::LieSide => LIES_OTHERWISE_M,
-                PoseFamily::SitStraight => 2.0 * LIES_OTHERWISE_M,
+                PoseFamily::LieSide => LIES_OTHERWISE_M,
+                PoseFamily::LieDown | PoseFamily::SitStraight => 2.0 * LIES_OTHERWISE_M,
                 _ => 0.0,
             };
             let asked_less = 0.3 * (1.0 - p.weight.min(1.0));
@@ -399,19 +454,27 @@ impl<'a> Resolver<'a> {
         let mut found: Vec<Place> = self.places.iter().filter(near).cloned().collect();
         found.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
         found.dedup_by(|b, a| a.family == b.family && a.under_pelvis.distance(b.under_pelvis) < 0.08);
-        found.truncate(TRIES.0);
-        if let Some(best) = found.first() {
-            let mut exact = best.clone();
+        let exact = |best: &Place| {
             let turned = goal.facing.is_some_and(|asked| turn_between(asked, facing(best)).abs() > TURNED);
-            if flat(best.under_pelvis - goal.at).length() < SAME_SEAT_M && !turned {
-                exact.under_pelvis = Vec3::new(goal.at.x, best.under_pelvis.y, goal.at.z);
-                if let Some(asked) = goal.facing {
-                    exact.facing = if group == "lie" { -direction_of(asked) } else { direction_of(asked) };
-                }
-                found.insert(0, exact);
-            }
-        }
-        found
+            let same = flat(best.under_pelvis - goal.at).length() < SAME_SEAT_M && !turned;
+            same.then(|| Place {
+                under_pelvis: Vec3::new(goal.at.x, best.under_pelvis.y, goal.at.z),
+                facing: goal.facing.map_or(best.facing, |asked| match group {
+                    "lie" => -direction_of(asked),
+                    _ => direction_of(asked),
+                }),
+                ..best.clone()
+            })
+        };
+        // Each way to lie is tried at the very point, a seat's at its best place.
+        let ways = found.iter().enumerate().filter(|(i, p)| match group {
+            "lie" => found[..*i].iter().all(|q| q.family != p.family),
+            _ => *i == 0,
+        });
+        let mut places: Vec<Place> = ways.filter_map(|(_, p)| exact(p)).collect();
+        found.truncate(TRIES.0);
+        places.append(&mut found);
+        places
     }
 
     /// The first body without findings that meets the sub-goal, else the best of all.
@@ -428,7 +491,7 @@ impl<'a> Resolver<'a> {
             for attempt in 0..TRIES.1 {
                 ticker.check()?;
                 let seed = seed.child("place", number as u64).child("try", attempt);
-                let found = self.candidate(goal, place, number == 0, seed, quick, ticker)?;
+                let found = self.candidate(goal, place, seed, quick, ticker)?;
                 let clean = found.clean;
                 if best.as_ref().is_none_or(|b| found.badness < b.badness) {
                     best = Some(found);
@@ -448,32 +511,69 @@ impl<'a> Resolver<'a> {
         &self,
         goal: &SubGoal,
         place: &Place,
-        exactly: bool,
         seed: Seed,
         quick: bool,
         ticker: &Ticker,
     ) -> Result<Candidate, Cancelled> {
         let (body, geometry) = (self.cast.body, self.cast.geometry);
+        let exactly = flat(place.under_pelvis - goal.at).length() < EXACTLY_M;
         let proposal = settle_person(body, geometry, place, &self.cast.request.betas, exactly, seed);
         let on = proposal.on;
         if quick {
             return Ok(Candidate { params: proposal.params, on, badness: 0.0, met: true, clean: true });
         }
         let around = Surroundings::new(geometry, Aabb::of(body.pose(&proposal.params).vertices));
-        let config = held_config();
-        let quiet = ticker.without_progress();
-        let fitted =
-            self.fitter.fit(&around, &proposal.params, proposal.family, &config, &quiet, &mut |_| ())?;
-        let metrics = inspect_body(geometry, body, &fitted.params).metrics;
-        let findings = Limits::default().findings(Site { body: 0, frame: None }, &metrics);
         let pose = if place.family.group() == "lie" { GoalPose::Lie } else { GoalPose::Sit };
-        let frame = self.frame(&fitted.params);
-        let joints = figure(body, &self.cast.request.betas, &frame);
-        let (cm, deg) = miss(goal, place_of(&joints, &frame, pose));
-        let met = cm <= super::GOAL_CM && deg <= super::GOAL_DEG;
+        let fit = |start: &BodyParams| -> Result<Fit, Cancelled> {
+            let quiet = ticker.without_progress();
+            let fitted =
+                self.fitter.fit(&around, start, proposal.family, &held_config(), &quiet, &mut |_| ())?;
+            let frame = self.frame(&fitted.params);
+            let at = place_of(&figure(body, &self.cast.request.betas, &frame), &frame, pose);
+            Ok(Fit { params: fitted.params, miss: miss(goal, at), at })
+        };
+        let mut start = proposal.params;
+        let mut best = fit(&start)?;
+        for _ in 0..AIMS {
+            if !exactly || is_near(best.miss, HALF) {
+                break;
+            }
+            start = self.aimed(&start, goal, best.at);
+            let again = fit(&start)?;
+            if worse(again.miss) < worse(best.miss) {
+                best = again;
+            }
+        }
+        let Fit { params, miss: (cm, deg), .. } = best;
+        let metrics = inspect_body(geometry, body, &params).metrics;
+        let findings = Limits::default().findings(Site { body: 0, frame: None }, &metrics);
+        let met = is_near((cm, deg), 1.0);
         let faults: f32 = findings.iter().map(Finding::severity).sum();
-        let badness = faults + cm / MISS.0 + deg / MISS.1;
-        Ok(Candidate { params: fitted.params, on, badness, met, clean: findings.is_empty() && met })
+        let stuck = pose == GoalPose::Sit && !self.can_get_up(&params);
+        let badness = faults + cm / MISS.0 + deg / MISS.1 + if stuck { STUCK } else { 0.0 };
+        Ok(Candidate { params, on, badness, met, clean: findings.is_empty() && met && !stuck })
+    }
+
+    /// Whether there is anywhere to stand before a seated body: its feet may be where nobody could put them standing.
+    fn can_get_up(&self, params: &BodyParams) -> bool {
+        let planner = Planner::new(self.cast.geometry, PlanConfig::default());
+        let frame = self.frame(params);
+        let joints = figure(self.cast.body, &self.cast.request.betas, &frame);
+        let seated = self.seated(&planner, &frame, place_of(&joints, &frame, GoalPose::Sit));
+        !stances(&planner, &seated).is_empty()
+    }
+
+    /// A start that is off the other way from where the fit of `start` ended: seats and backs push bodies aside, and the
+    /// next fit ends nearer to what was asked for.
+    fn aimed(&self, start: &BodyParams, goal: &SubGoal, (at, facing): (Vec3, f32)) -> BodyParams {
+        let turn = goal.facing.map_or(0.0, |asked| turn_between(facing, asked)).clamp(-MOST_AIM, MOST_AIM);
+        let rest = self.cast.body.model.rest_joints(&self.cast.request.betas)[j::PELVIS];
+        let mut params = start.clone();
+        params.set_rotation(&(Mat3::from_rotation_y(turn) * start.rotation()));
+        // The pelvis joint is where it is put, whatever the rotation about it.
+        let pelvis = start.translation + rest;
+        params.translation = pelvis + (goal.at - at).with_y(0.0) - rest;
+        params
     }
 
     /// The body that sits on the edge of the bed `support` nearest to a lying person's pelvis, where there is floor to
@@ -499,6 +599,8 @@ impl<'a> Resolver<'a> {
         let cost = |p: &Place| edge_cost(self.cast.geometry, p, pelvis);
         places.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
         places.truncate(TRIES.0);
+        // Nobody leans back where they sit for a moment.
+        places.iter_mut().for_each(|p| p.family = PoseFamily::SitEdge);
         let Some(first) = places.first() else { return Ok(None) };
         let at =
             SubGoal { at: first.under_pelvis, facing: None, pose: GoalPose::Sit, body: None, ..goal.clone() };

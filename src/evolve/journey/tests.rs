@@ -75,6 +75,64 @@ fn a_tour_of_the_bedroom_sits_and_lies_where_it_was_asked_to_and_comes_back() {
     }
 }
 
+/// What a tour asks for in a bundled room.
+fn asked_in((room, geometry): &(Room, RoomGeometry)) -> Vec<SubGoal> {
+    tour(room, geometry, 60.0, &Ticker::silent()).expect("not cancelled")
+}
+
+#[test]
+fn in_every_sample_room_somebody_sits_and_lies_on_the_way() {
+    for key in ["living", "bedroom", "office"] {
+        let room = bundled(key);
+        let goals = asked_in(&room);
+        let of = |pose: GoalPose| goals.iter().filter(|g| g.pose == pose).count();
+        assert!(
+            of(GoalPose::Sit) >= 2 && of(GoalPose::Lie) == 1,
+            "{key}: {:?}",
+            goals.iter().map(|g| g.pose)
+        );
+        let made = made_in(&room, &unfitted(goals.clone()), 0);
+        assert!(made.unreachable.is_empty(), "{key}: {:?}", made.complaints(&room.0));
+        assert!(made.goals.iter().all(GoalReport::is_met), "{key}: {:?}", made.goals);
+        // Whoever rests does not sink in by more than a cushion gives way, calves and heads included.
+        let rests = goals.iter().filter(|g| g.pose != GoalPose::Stand);
+        for goal in rests {
+            let frame = made.motion.goals.iter().find(|g| g.goal == goal.id).expect("measured").frame;
+            let deepest = made.motion.frames[frame].penetration_max_mm;
+            assert!(deepest < 30.0, "{key}: {:?} at {} sinks in by {deepest} mm", goal.pose, goal.at);
+        }
+    }
+}
+
+#[test]
+fn who_lies_in_bed_lies_along_it_with_the_head_on_a_pillow_and_gets_in_from_its_side() {
+    let (room, geometry) = bedroom();
+    let goals = asked();
+    let made = made(&unfitted(goals.clone()), 0);
+    let bed = room.objects.iter().find(|o| o.category == crate::scene::Category::Bed).expect("a bed");
+    let lies = made.clip.goals.iter().find(|g| g.pose == GoalPose::Lie && !g.planned).expect("lies");
+    let joints = |frame: &Frame| {
+        let rest = Body::bundled().model.rest_joints(&made.clip.betas);
+        crate::body::FrameJoints::of(&rest, frame).positions
+    };
+    let lying = joints(lies.body.as_ref().expect("a body"));
+    let (head, pelvis) = (lying[crate::body::joints::HEAD], lying[0]);
+    let pillows = room.objects.iter().filter(|o| o.category == crate::scene::Category::Cushion);
+    let under = pillows
+        .map(|o| o.world_bounds())
+        .find(|b| (b.min.x..b.max.x).contains(&head.x) && (b.min.z - 0.05..b.max.z + 0.05).contains(&head.z));
+    let under = under.expect("the head is over a pillow");
+    assert!(head.y > under.min.y + 0.05, "not in it");
+    // The bed's head is at the back wall, so it is lain on along z.
+    assert!((head - pelvis).z < -0.5 && (head - pelvis).x.abs() < 0.1, "{}", head - pelvis);
+    let edge = made.clip.goals.iter().find(|g| g.pose == GoalPose::Sit && g.planned).expect("an edge");
+    let facing = crate::scene::direction_of(edge.facing.expect("faces"));
+    let bounds = bed.world_bounds();
+    assert!(facing.x.abs() > 0.9, "from the side, not from the foot: {facing}");
+    assert!(edge.at.z < bounds.max.z - 0.3, "{} of a bed until {}", edge.at, bounds.max);
+    assert!(geometry.floor.is_walkable(glam::Vec2::new(edge.at.x, edge.at.z) + facing * 0.7));
+}
+
 #[test]
 fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
     let goals: Vec<SubGoal> = asked().into_iter().take(2).map(|g| SubGoal { stay_s: 0.5, ..g }).collect();

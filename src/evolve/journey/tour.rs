@@ -1,6 +1,7 @@
 //! A tour of a room for who has no sub-goals yet: from the door to a desk chair, a sofa, a window, the bed and back to
 //! the door, whatever of it the room has and can be reached.
 
+use std::collections::BTreeMap;
 use std::f32::consts::FRAC_PI_2;
 
 use glam::{Vec2, Vec3};
@@ -28,6 +29,8 @@ const LEAST_STAY_S: f32 = 2.0;
 const STANDING_S: f32 = 2.5;
 /// Places of a kind that are tried before the tour goes on without.
 const TRIES: usize = 24;
+/// Places of one thing that can't be reached before the thing is given up.
+const GIVE_UP: usize = 8;
 /// Places that can be reached at which a body is tried before the tour goes on without.
 const BODIES: usize = 6;
 /// What facing away from the back, lying or sitting along the edges, and coming in from the front rather than squeezing
@@ -88,8 +91,12 @@ pub fn tour(
     let back = Visit { facing: door.facing + 2.0 * FRAC_PI_2, ..guide.copy(&door) };
     let at_view = 1 + usize::from(chair.is_some()) + usize::from(sofa.is_some());
     let views = view.is_some();
+    let object = |visit: &Option<Visit>| geometry.supports.get(visit.as_ref()?.support?)?.object;
+    // Nobody gets up from a sofa to lie down on it: something else is done in between.
+    let same = object(&sofa).is_some() && object(&sofa) == object(&bed);
+    let (first, second) = if same && chair.is_some() { (sofa, chair) } else { (chair, sofa) };
     let mut visits: Vec<Visit> =
-        [Some(door), chair, sofa, view, bed, Some(back)].into_iter().flatten().collect();
+        [Some(door), first, second, view, bed, Some(back)].into_iter().flatten().collect();
     if views && guide.busy_s(&visits) + LEAST_STAY_S * rests(&visits) as f32 > seconds {
         visits.remove(at_view);
     }
@@ -145,17 +152,18 @@ impl Guide<'_> {
     /// The first of the visits against whose body nothing speaks, else that with the least faults among those whose body
     /// is where it should be.
     fn held(&self, visits: Vec<Visit>, from: &Spot) -> Result<Option<Visit>, Cancelled> {
-        let mut best = (usize::MAX, f32::INFINITY);
-        for (index, visit) in visits.iter().take(BODIES).enumerate() {
-            let fault = self.bodies.fault(&sub_goal(SubGoalId(0), visit, 0.0), from, self.ticker)?;
-            if fault < best.1 {
-                best = (index, fault);
+        let mut best: Option<(f32, Visit)> = None;
+        for visit in visits.into_iter().take(BODIES) {
+            let goal = sub_goal(SubGoalId(0), &visit, 0.0);
+            let (fault, settled) = self.bodies.settled(&goal, from, self.ticker)?;
+            if fault < best.as_ref().map_or(f32::INFINITY, |b| b.0) {
+                best = Some((fault, Visit { at: settled.at, ..visit }));
             }
             if fault == 0.0 {
                 break;
             }
         }
-        Ok(visits.into_iter().nth(best.0))
+        Ok(best.map(|(_, visit)| visit))
     }
 
     /// The most inviting seat of a kind that can be reached.
@@ -186,7 +194,7 @@ impl Guide<'_> {
             let rank = rank(place) + room_m + way;
             Some((rank, self.visit(place, GoalPose::Sit, facing_of(place.facing), stance.spot())))
         };
-        let mut visits: Vec<(f32, Visit)> = found.into_iter().take(TRIES).filter_map(reached).collect();
+        let mut visits: Vec<(f32, Visit)> = self.reachable(&found, reached);
         visits.sort_by(|a, b| b.0.total_cmp(&a.0));
         self.held(visits.into_iter().map(|(_, visit)| visit).collect(), from)
     }
@@ -268,8 +276,26 @@ impl Guide<'_> {
                 vec![visit(along), visit(lie.facing)]
             })
         };
-        let visits = found.into_iter().take(TRIES).filter_map(reached).flatten().take(BODIES).collect();
+        let visits = self.reachable(&found, reached).into_iter().flatten().take(BODIES).collect();
         self.held(visits, from)
+    }
+
+    /// What `reached` says of the first places that can be reached; things of which no place can are soon given up, so
+    /// that a bed behind a closed door does not hide the sofa.
+    fn reachable<T>(&self, places: &[&Place], reached: impl Fn(&Place) -> Option<T>) -> Vec<T> {
+        let mut failed: BTreeMap<Option<usize>, usize> = BTreeMap::new();
+        let mut found = Vec::new();
+        for place in places {
+            let failures = failed.entry(place.support).or_default();
+            if found.len() >= TRIES || *failures >= GIVE_UP {
+                continue;
+            }
+            match reached(place) {
+                Some(one) => found.push(one),
+                None => *failures += 1,
+            }
+        }
+        found
     }
 
     /// Somewhere to stand and look at something on a wall.

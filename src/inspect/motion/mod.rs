@@ -22,7 +22,7 @@ use self::feet::Skate;
 use self::frame::{FrameMeter, Measured};
 use super::Finding;
 use crate::body::Body;
-use crate::body::joints::{LEFT_ANKLE, PELVIS, RIGHT_ANKLE};
+use crate::body::joints::{NECK, PELVIS};
 use crate::scene::{
     Clip, Frame, GoalPose, SignedDistanceField, Step, Stopped, SubGoal, SubGoalId, facing_of,
 };
@@ -176,7 +176,8 @@ fn goal_errors(clip: &Clip, measured: &[Measured]) -> Vec<GoalError> {
     clip.goals.iter().filter(|goal| !goal.planned).filter_map(error).collect()
 }
 
-/// Where a body faces: its front, or from the pelvis to the feet where it lies.
+/// Where a body faces: its front, or, where it lies, where its trunk points from the head to the feet, however the legs
+/// are drawn up.
 fn facing(frame: &Frame, at: &Measured, goal: &SubGoal) -> f32 {
     let pose = goal.pose;
     let front = frame.rotation * Vec3::Z;
@@ -190,7 +191,7 @@ fn facing(frame: &Frame, at: &Measured, goal: &SubGoal) -> f32 {
 }
 
 fn to_feet(at: &Measured) -> Vec3 {
-    0.5 * (at.joints[LEFT_ANKLE] + at.joints[RIGHT_ANKLE]) - at.joints[PELVIS]
+    at.joints[PELVIS] - at.joints[NECK]
 }
 
 fn turn_deg(a: f32, b: f32) -> f32 {

@@ -188,11 +188,12 @@ impl FootTrack {
 /// Until this share of a swing the foot trails and its heel may be higher than measured.
 const LEFT_BEHIND: f32 = 0.4;
 /// From this share of a swing on the leg gets ready for the floor.
-const LANDS: f32 = 0.7;
+const LANDS: f32 = 0.78;
 /// Share of a swing over which a foot speeds up, and slows down again.
 const SWING_RAMP: f32 = 0.42;
-/// After this share of a swing the foot is over its place and comes down: the leg is ready before it lands.
-const SWING_ARRIVES: f32 = 0.95;
+/// After this share of a swing the foot is over its place: earlier, the pelvis would not yet be near enough, and the knee
+/// would snap straight.
+const SWING_ARRIVES: f32 = 1.0;
 
 fn landing_pitch(contact: &Contact, model: &GaitModel) -> f32 {
     contact.landing.map_or(0.0, |roll| roll.landed(model, 0.0))

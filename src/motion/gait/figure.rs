@@ -361,7 +361,7 @@ impl Stick {
 }
 
 /// A swinging leg over its full length: freely stretched up to the first share, never beyond the second.
-const SWING_SHARE: [f32; 2] = [0.97, 0.996];
+const SWING_SHARE: [f32; 2] = [0.94, 0.995];
 
 /// A unit vector on the way from one to another.
 pub(super) fn direction_between(a: Vec3, b: Vec3, share: f32) -> Vec3 {

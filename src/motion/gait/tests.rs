@@ -172,6 +172,25 @@ fn knees_bend_forward_only_and_legs_keep_their_length() {
 }
 
 #[test]
+fn knees_give_a_little_when_a_foot_has_landed_and_do_not_snap_straight_before() {
+    let knees = [j::LEFT_KNEE, j::RIGHT_KNEE];
+    for (name, input) in legs().into_iter().filter(|(name, _)| ["straight", "through"].contains(name)) {
+        let motion = made(&input);
+        let bend = |i: usize, foot: usize| motion.frames[i].pose[knees[foot] - 1].x.to_degrees();
+        for i in 1..motion.frames.len() {
+            for foot in 0..2 {
+                let stretched = bend(i - 1, foot) - bend(i, foot);
+                assert!(stretched < 27.0, "{name}: a knee straightens by {stretched} degrees in frame {i}");
+                let landed = motion.planted[i][foot] && !motion.planted[i - 1][foot];
+                let after = i..(i + 6).min(motion.frames.len());
+                let most = after.map(|k| bend(k, foot)).fold(0.0, f32::max);
+                assert!(!landed || most < 25.0, "{name}: a knee gives by {most} degrees after frame {i}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_leg_begins_and_ends_exactly_at_its_ends_and_at_rest() {
     for (name, input) in legs() {
         let motion = made(&input);

@@ -18,6 +18,11 @@ const CHEST_M: f32 = 0.06;
 /// Height of the chest of somebody who sits down, over the seat, metres.
 const CHEST_OVER_SEAT_M: f32 = 0.35;
 
+/// Armrests rise above the thighs, whose top is so much above the seated pelvis joint, metres.
+const HIPS_OVER_PELVIS_M: f32 = 0.05;
+/// Getting in over an armrest is worth this much less room, metres.
+const OVER_ARM_M: f32 = 10.0;
+
 /// A seated body as the planner sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seated {
@@ -81,13 +86,24 @@ pub fn stances(planner: &Planner<'_>, seated: &Seated) -> Vec<Stance> {
         let beside = |sign: f32| flat(seated.pelvis) + ahead * forward_m + left * (sign * aside_m);
         let pair =
             [(1.0, Side::Left), (-1.0, Side::Right)].map(|(sign, side)| stance(beside(sign), side, None));
-        // The roomier side first.
-        let room = |s: &Stance| planner.floor().clearance_at(flat(s.at));
+        // The side without an armrest, then the roomier one, first.
+        let room = |s: &Stance| {
+            let over_arm = if is_level(planner, flat(s.at), seated.pelvis) { 0.0 } else { OVER_ARM_M };
+            planner.floor().clearance_at(flat(s.at)) - over_arm
+        };
         let mut pair: Vec<Stance> = pair.into_iter().flatten().collect();
         pair.sort_by(|a, b| room(b).total_cmp(&room(a)));
         found.extend(pair);
     }
     found
+}
+
+/// Whether the hips pass from the side of a seat onto it without an armrest in the way.
+fn is_level(planner: &Planner<'_>, standing: Vec2, pelvis: Vec3) -> bool {
+    (1..=6).all(|i| {
+        let p = standing.lerp(flat(pelvis), i as f32 / 6.0 * 0.8);
+        planner.geometry().field.sample(Vec3::new(p.x, pelvis.y + HIPS_OVER_PELVIS_M, p.y)) > 0.0
+    })
 }
 
 /// Whether the chest passes from standing to sitting without going through something as high as a wall.
