@@ -16,6 +16,8 @@ const WANTED: f32 = 9.0;
 const PLANNED: f32 = 4.5;
 /// A press so near to a mark is on it, points.
 const GRIP: f32 = 12.0;
+/// A number is dark on a mark lighter than this, and light on others.
+const LIGHT: f32 = 0.45;
 /// Length of the arrow, metres.
 const ARROW_M: f32 = 0.42;
 
@@ -78,7 +80,8 @@ fn mark(painter: &Painter, state: &EditorState, rect: Rect, goal: &SubGoal, look
     if goal.locked {
         painter.circle_stroke(at, radius + 3.0, Stroke::new(1.2, look.color));
     }
-    painter.text(at, Align2::CENTER_CENTER, &look.text, FontId::proportional(11.0), Color32::from_gray(12));
+    let ink = if look.color.intensity() > LIGHT { Color32::from_gray(12) } else { Color32::WHITE };
+    painter.text(at, Align2::CENTER_CENTER, &look.text, FontId::proportional(11.0), ink);
     if look.marked {
         label(painter, at + vec2(0.0, -radius - 8.0), &described(goal), Color32::WHITE);
     }
