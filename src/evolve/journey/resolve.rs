@@ -59,6 +59,9 @@ const CORNER_M: f32 = 0.3;
 const OVER_THE_SIDE_M: f32 = 0.5;
 /// A back this high, metres, says which way a seat faces.
 const BACK_M: f32 = 0.25;
+/// Places on the edge of a bed that are tried, and how far these are apart, metres.
+const EDGES: usize = 6;
+const EDGES_APART_M: f32 = 0.09;
 /// Free radius where one gets up from a bed's edge, metres.
 const GET_UP_M: f32 = 0.15;
 /// From below the pelvis of somebody on a bed's edge to where they stand once they got up, metres.
@@ -598,7 +601,15 @@ impl<'a> Resolver<'a> {
         let mut places: Vec<Place> = self.places.iter().filter(usable).cloned().collect();
         let cost = |p: &Place| edge_cost(self.cast.geometry, p, pelvis);
         places.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-        places.truncate(TRIES.0);
+        // Places a hand's breadth apart are one seat: what does not hold a body at one holds none at the next.
+        let mut apart: Vec<Place> = Vec::new();
+        for place in places {
+            if apart.iter().all(|p| p.under_pelvis.distance(place.under_pelvis) > EDGES_APART_M) {
+                apart.push(place);
+            }
+        }
+        let mut places = apart;
+        places.truncate(EDGES);
         // Nobody leans back where they sit for a moment.
         places.iter_mut().for_each(|p| p.family = PoseFamily::SitEdge);
         let Some(first) = places.first() else { return Ok(None) };
