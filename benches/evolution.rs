@@ -31,7 +31,9 @@ fn main() {
     let given: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     match given.split_first() {
         Some((room, numbers)) => in_room(room, numbers),
-        None => curve(),
+        None if std::env::args().any(|argument| argument == "--bench") => curve(MOST_THINGS),
+        // As a test: the first row shows that it runs.
+        None => curve(STEP),
     }
 }
 
@@ -70,7 +72,7 @@ fn sample(number: usize) -> Room {
     room_from_model(&model, &ImportOptions::default()).room
 }
 
-fn curve() {
+fn curve(most_things: usize) {
     let mut library = (*Library::bundled()).clone();
     (0..library.kinds().count()).for_each(|k| library.set_most(KindId(k), 1000));
     let (mut evolution, started) = (start(sample(0), library, 1), Instant::now());
@@ -95,7 +97,7 @@ fn curve() {
             in_vain.clear();
             row += STEP;
         }
-        if things >= MOST_THINGS {
+        if things >= most_things {
             break;
         }
     }

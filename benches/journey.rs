@@ -31,13 +31,16 @@ type Place = Arc<(Room, RoomGeometry)>;
 fn main() {
     let given: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let given: Vec<&str> = given.iter().map(String::as_str).collect();
+    let is_bench = std::env::args().any(|argument| argument == "--bench");
     match given[..] {
+        // As a test: one journey shows that it runs.
+        [] if !is_bench => ready(&place("sample:living"), 1),
         [] => {
-            ready(&place("sample:living"));
+            ready(&place("sample:living"), 3);
             grow();
             cancel(&place("sample:living"));
         }
-        ["ready"] => ready(&place("sample:living")),
+        ["ready"] => ready(&place("sample:living"), 3),
         ["grow"] => grow(),
         ["length", seconds] => length(seconds.parse().expect("seconds")),
         ["cancel"] => cancel(&place("sample:living")),
@@ -77,15 +80,15 @@ fn made(place: &Place, request: &JourneyRequest) -> Journey {
     journey(&place.0, &place.1, Body::bundled(), request, &cx).expect("a journey")
 }
 
-/// A clip of ten seconds, from the request to the measured motion, thrice.
-fn ready(place: &Place) {
+/// A clip of ten seconds, from the request to the measured motion, some times.
+fn ready(place: &Place, runs: usize) {
     let mut request = asked(place, 10);
     // A whole tour takes longer: from the door to the first seat, and a while there.
     request.goals.truncate(2);
     request.goals.iter_mut().for_each(|goal| goal.stay_s = 0.0);
     let way_s = made(place, &request).clip.seconds();
     request.goals.iter_mut().skip(1).for_each(|goal| goal.stay_s = (10.0 - way_s).max(0.0));
-    for run in 1..=3 {
+    for run in 1..=runs {
         let started = Instant::now();
         let made = made(place, &request);
         let (all, s) = (started.elapsed().as_secs_f64(), &made.seconds);

@@ -22,6 +22,7 @@ mod pictures;
 mod progress;
 mod report;
 mod scene_prior;
+mod screens;
 mod sheet;
 mod stage;
 mod train;

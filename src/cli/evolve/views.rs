@@ -3,21 +3,16 @@
 use glam::{Vec2, Vec3};
 
 use crate::body::{Body, Posed, joints};
+use crate::cli::screens::Screens;
 use crate::evolve::action::{Embodied, Evolution, EvolutionStep, MoveReason};
 use crate::math::Aabb;
 use crate::render::frame_bounds;
-use crate::scene::{Camera, Category, Object, ObjectId, Room, TriangleBvh};
+use crate::scene::{Camera, ObjectId, Room};
 
 /// Points of a body that should be seen.
 const SAMPLES: usize = 64;
 /// Things farther than this from everybody are no part of the picture, metres.
 const AT_HAND_M: f32 = 0.9;
-/// A thing's own depth: what is nearer than this to a point of it does not hide it.
-const OWN_DEPTH_M: f32 = 0.05;
-/// Walls this near to the room's box are outer ones, metres.
-const OUTER_M: f32 = 0.35;
-/// A camera stands at least this far from walls and furniture, metres.
-const ROOM_FOR_CAMERA_M: f32 = 0.12;
 /// Two views differ by at least this angle, a little less than a right one (radians).
 const APART: f32 = 1.3;
 /// Elevations that are tried, radians: a table top is not seen from a seated person's eyes.
@@ -44,13 +39,6 @@ struct Subject {
     heads: Vec<Vec3>,
     things: Vec<Vec3>,
     fronts: Vec<Vec2>,
-}
-
-/// What hides it: furniture, and walls but for the outer ones that are cut away for a camera outside.
-struct Screens {
-    bounds: Aabb,
-    furniture: TriangleBvh,
-    shell: TriangleBvh,
 }
 
 /// Up to `count` views of the last action, the clearest first; none before the first action.
@@ -147,48 +135,4 @@ fn top(bounds: &Aabb) -> [Vec3; 5] {
     let (middle, half) = (bounds.center(), 0.35 * bounds.size());
     let at = |x: f32, z: f32| Vec3::new(middle.x + x * half.x, bounds.max.y, middle.z + z * half.z);
     [at(0.0, 0.0), at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, -1.0), at(1.0, 1.0)]
-}
-
-impl Screens {
-    fn of(room: &Room) -> Self {
-        let triangles = |keep: fn(&Object) -> bool| {
-            let kept = room.objects.iter().filter(|o| o.visible && keep(o));
-            TriangleBvh::new(kept.flat_map(Object::world_triangles).collect())
-        };
-        Self { bounds: room.bounds(), furniture: triangles(|o| !is_shell(o)), shell: triangles(is_shell) }
-    }
-
-    /// Share of points that a camera sees; 0 where no camera could stand.
-    fn seen(&self, camera: &Camera, points: &[Vec3]) -> f32 {
-        let near = |tree: &TriangleBvh| tree.closest(camera.eye, ROOM_FOR_CAMERA_M).is_some();
-        if near(&self.furniture) || near(&self.shell) {
-            return 0.0;
-        }
-        let seen = points.iter().filter(|point| !self.hide(**point, camera.eye));
-        seen.count() as f32 / points.len().max(1) as f32
-    }
-
-    fn hide(&self, point: Vec3, eye: Vec3) -> bool {
-        let way = eye - point;
-        let direction = way.normalize_or(Vec3::Y);
-        let (from, far_m) = (point + direction * OWN_DEPTH_M, way.length() - OWN_DEPTH_M);
-        let wall = self.shell.cast(from, direction, far_m).map(|hit| from + direction * hit.distance_m);
-        let cut_away = |at: Vec3| !self.bounds.contains(eye) && self.is_outer(at);
-        wall.is_some_and(|at| !cut_away(at)) || self.furniture.any_hit(from, direction, far_m)
-    }
-
-    /// Whether a point of a wall or a ceiling is at the room's box.
-    fn is_outer(&self, at: Vec3) -> bool {
-        let aside = (at - self.bounds.min).min(self.bounds.max - at);
-        aside.x.min(aside.z).min(self.bounds.max.y - at.y) < OUTER_M
-    }
-}
-
-/// Walls, floor and ceiling, and what hangs on them.
-fn is_shell(object: &Object) -> bool {
-    use Category::{Beam, Blinds, Ceiling, Curtain, Door, Floor, Mirror, Picture, Wall, Window};
-    matches!(
-        object.category,
-        Wall | Ceiling | Floor | Beam | Door | Window | Picture | Curtain | Blinds | Mirror
-    )
 }

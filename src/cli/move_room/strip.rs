@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use crate::assets;
 use crate::body::Body;
 use crate::cli::output::OutputFolder;
+use crate::cli::screens::Screens;
 use crate::math::Aabb;
 use crate::render::{
     Backend, BodySurface, Cutaway, Film, Painter, Picture, Quality, SceneDraw, frame_bounds,
@@ -28,6 +29,16 @@ const FROM: [(&str, Vec3); 2] =
     [("strip.png", Vec3::new(0.66, 0.5, 0.75)), ("strip_behind.png", Vec3::new(-0.66, 0.5, -0.75))];
 /// As report pictures of people: a 35 mm lens.
 const FOV_Y: f32 = 0.66;
+/// Where walls or furniture are in the way the camera goes around the person in such steps, at most so many to either
+/// side: the two strips stay on their own sides.
+const TURN: f32 = 0.35;
+const TURNS: i32 = 4;
+/// And looks down more steeply in the end.
+const STEEP: f32 = 1.6;
+/// It stays where it is while it sees this share of the person.
+const ENOUGH: f32 = 0.6;
+/// Heights over and under the pelvis that should be seen, metres.
+const SEEN_M: [f32; 3] = [-0.3, 0.15, 0.5];
 
 /// Draws and writes the strips; gives the name of what drew them.
 ///
@@ -41,23 +52,27 @@ pub fn write(folder: &OutputFolder, room: &Arc<Room>, clips: &[Arc<Clip>]) -> an
     scene.look.cutaway = Cutaway::Outside;
     let seconds = clips.iter().map(|c| c.seconds()).fold(0.0, f32::max);
     let fps = PER_SECOND.min(MOST as f32 / seconds.max(1.0));
+    let screens = Screens::of(room);
     for (file, direction) in FROM {
         let film =
             Film { scene: scene.clone(), clips: clips.to_vec(), camera: Camera::default(), size: TILE, fps };
-        let strip = strip(film, direction, &painter)?;
+        let strip = strip(film, direction, &screens, &painter)?;
         folder.write(file, &assets::encode_png(strip.width, strip.height, &strip.rgba)?)?;
     }
     Ok(painter.backend().to_owned())
 }
 
-fn strip(mut film: Film, direction: Vec3, painter: &Painter) -> anyhow::Result<Picture> {
+fn strip(mut film: Film, side: Vec3, screens: &Screens, painter: &Painter) -> anyhow::Result<Picture> {
+    let mut direction = side;
     let count = film.pictures();
     let columns = COLUMNS.min(count);
     let [width, height] = TILE.map(|side| side as usize);
     let size = [columns * width, count.div_ceil(columns) * height];
     let mut sheet = vec![255; size[0] * size[1] * 4];
     for number in 0..count {
-        film.camera = camera(&film.clips, number as f32 / film.fps, direction);
+        let seconds = number as f32 / film.fps;
+        direction = clear_direction(&film.clips, seconds, side, direction, screens);
+        film.camera = camera(&film.clips, seconds, direction);
         let picture = film.draw(painter, number)?;
         let corner = [number % columns * width, number / columns * height];
         for (y, row) in picture.rgba.chunks_exact(4 * width).enumerate() {
@@ -67,6 +82,31 @@ fn strip(mut film: Film, direction: Vec3, painter: &Painter) -> anyhow::Result<P
     }
     let backend = painter.backend().to_owned();
     Ok(Picture { width: size[0] as u32, height: size[1] as u32, rgba: sheet, backend })
+}
+
+/// The last direction while people are seen from there, else the best one on this side of them.
+fn clear_direction(clips: &[Arc<Clip>], seconds: f32, side: Vec3, last: Vec3, screens: &Screens) -> Vec3 {
+    let at = |clip: &Arc<Clip>| clip.frames.get(clip.frame_at(seconds)).map(|f| f.translation);
+    let points: Vec<Vec3> =
+        clips.iter().filter_map(at).flat_map(|p| SEEN_M.map(|up| p + Vec3::Y * up)).collect();
+    let seen = |direction: Vec3| screens.seen(&camera(clips, seconds, direction), &points);
+    let turned = |(steps, steep): (i32, f32)| {
+        let way = Quat::from_rotation_y(steps as f32 * TURN) * side;
+        Vec3::new(way.x, way.y * steep, way.z)
+    };
+    let near_first = (0..=TURNS).flat_map(|k| [k, -k]);
+    let others = [1.0, STEEP].into_iter().flat_map(|steep| near_first.clone().map(move |k| (k, steep)));
+    let mut best = (last, seen(last));
+    for direction in others.map(turned) {
+        if best.1 >= ENOUGH {
+            break;
+        }
+        let share = seen(direction);
+        if share > best.1 {
+            best = (direction, share);
+        }
+    }
+    best.0
 }
 
 /// Sees everybody who moves, from one direction.

@@ -521,6 +521,7 @@ impl<'a> Resolver<'a> {
         let (body, geometry) = (self.cast.body, self.cast.geometry);
         let exactly = flat(place.under_pelvis - goal.at).length() < EXACTLY_M;
         let proposal = settle_person(body, geometry, place, &self.cast.request.betas, exactly, seed);
+        ticker.check()?;
         let on = proposal.on;
         if quick {
             return Ok(Candidate { params: proposal.params, on, badness: 0.0, met: true, clean: true });
@@ -548,6 +549,7 @@ impl<'a> Resolver<'a> {
             }
         }
         let Fit { params, miss: (cm, deg), .. } = best;
+        ticker.check()?;
         let metrics = inspect_body(geometry, body, &params).metrics;
         let findings = Limits::default().findings(Site { body: 0, frame: None }, &metrics);
         let met = is_near((cm, deg), 1.0);
