@@ -31,12 +31,7 @@ pub fn contact_sheet(folder: &Path, manifest: &Manifest, count: usize) -> anyhow
     anyhow::ensure!(!shown.is_empty(), "the corpus has no views to draw");
     let rows = count.div_ceil(COLUMNS);
     let (width, height) = (COLUMNS.min(count) * TILE, rows * PICTURE);
-    let mut sheet = Picture {
-        width: width as u32,
-        height: height as u32,
-        rgba: vec![255; width * height * 4],
-        backend: String::new(),
-    };
+    let mut sheet = Picture::blank([width, height]);
     let surface = Arc::new(BodySurface::of(Body::bundled()));
     let mut rng = Seed::root(manifest.seed).child("sheet", 0).rng();
     for number in 0..count {

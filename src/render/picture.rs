@@ -29,6 +29,24 @@ impl Picture {
         [self.rgba[at], self.rgba[at + 1], self.rgba[at + 2]]
     }
 
+    /// White, for others to be pasted on.
+    pub fn blank([width, height]: [usize; 2]) -> Self {
+        let rgba = vec![255; width * height * 4];
+        Self { width: width as u32, height: height as u32, rgba, backend: String::new() }
+    }
+
+    /// Puts a picture on this one, its upper left corner in column `left` and row `top`.
+    ///
+    /// # Panics
+    /// When it does not lie within this one: a bug of the caller.
+    pub fn paste(&mut self, [left, top]: [usize; 2], picture: &Self) {
+        let bytes = 4 * picture.width as usize;
+        for (y, row) in picture.rgba.chunks_exact(bytes.max(1)).enumerate() {
+            let at = 4 * ((top + y) * self.width as usize + left);
+            self.rgba[at..at + bytes].copy_from_slice(row);
+        }
+    }
+
     /// The same at half the size, each pixel the mean of four; an odd last column or row is left out.
     #[must_use]
     pub fn halved(&self) -> Self {

@@ -19,7 +19,7 @@ use crate::evolve::day::{Day, DayRequest, Moment, day};
 use crate::job::{JobCtx, Seed};
 use crate::math::Aabb;
 use crate::render::{
-    Backend, BodySurface, Cutaway, Film, Painter, Quality, SceneDraw, frame_bounds, moving_room_glb,
+    Backend, BodySurface, Cutaway, Film, Painter, Picture, Quality, SceneDraw, frame_bounds, moving_room_glb,
 };
 use crate::scene::{Camera, ObjectId, Room, Scene};
 
@@ -143,21 +143,16 @@ fn strips(folder: &OutputFolder, made: &Day) -> anyhow::Result<()> {
     let (count, fps) = (first.pictures(), first.fps);
     for (file, direction) in FROM {
         let [width, height] = TILE.map(|side| side as usize);
-        let size = [COLUMNS.min(count) * width, count.div_ceil(COLUMNS) * height];
-        let mut sheet = vec![255; size[0] * size[1] * 4];
+        let mut sheet = Picture::blank([COLUMNS.min(count) * width, count.div_ceil(COLUMNS) * height]);
         for number in 0..count {
             let seconds = number as f32 / fps;
             let begun = made.state_at(seconds).steps().len();
             let mut film = films[begun.min(films.len() - 1)].clone();
             film.camera = camera(made, seconds, direction);
             let picture = film.draw(&painter, number)?;
-            let corner = [number % COLUMNS * width, number / COLUMNS * height];
-            for (y, row) in picture.rgba.chunks_exact(4 * width).enumerate() {
-                let at = 4 * ((corner[1] + y) * size[0] + corner[0]);
-                sheet[at..at + row.len()].copy_from_slice(row);
-            }
+            sheet.paste([number % COLUMNS * width, number / COLUMNS * height], &picture);
         }
-        folder.write(file, &encode_png(size[0] as u32, size[1] as u32, &sheet)?)?;
+        folder.write(file, &encode_png(sheet.width, sheet.height, &sheet.rgba)?)?;
     }
     Ok(())
 }

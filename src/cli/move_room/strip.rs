@@ -67,28 +67,26 @@ fn strip(mut film: Film, side: Vec3, screens: &Screens, painter: &Painter) -> an
     let count = film.pictures();
     let columns = COLUMNS.min(count);
     let [width, height] = TILE.map(|side| side as usize);
-    let size = [columns * width, count.div_ceil(columns) * height];
-    let mut sheet = vec![255; size[0] * size[1] * 4];
+    let mut sheet = Picture::blank([columns * width, count.div_ceil(columns) * height]);
     for number in 0..count {
         let seconds = number as f32 / film.fps;
         direction = clear_direction(&film.clips, seconds, side, direction, screens);
         film.camera = camera(&film.clips, seconds, direction);
         let picture = film.draw(painter, number)?;
-        let corner = [number % columns * width, number / columns * height];
-        for (y, row) in picture.rgba.chunks_exact(4 * width).enumerate() {
-            let at = 4 * ((corner[1] + y) * size[0] + corner[0]);
-            sheet[at..at + row.len()].copy_from_slice(row);
-        }
+        sheet.paste([number % columns * width, number / columns * height], &picture);
     }
-    let backend = painter.backend().to_owned();
-    Ok(Picture { width: size[0] as u32, height: size[1] as u32, rgba: sheet, backend })
+    sheet.backend = painter.backend().to_owned();
+    Ok(sheet)
+}
+
+/// Where everybody is who moves at a time.
+fn pelves(clips: &[Arc<Clip>], seconds: f32) -> impl Iterator<Item = Vec3> {
+    clips.iter().filter_map(move |clip| clip.frames.get(clip.frame_at(seconds)).map(|f| f.translation))
 }
 
 /// The last direction while people are seen from there, else the best one on this side of them.
 fn clear_direction(clips: &[Arc<Clip>], seconds: f32, side: Vec3, last: Vec3, screens: &Screens) -> Vec3 {
-    let at = |clip: &Arc<Clip>| clip.frames.get(clip.frame_at(seconds)).map(|f| f.translation);
-    let points: Vec<Vec3> =
-        clips.iter().filter_map(at).flat_map(|p| SEEN_M.map(|up| p + Vec3::Y * up)).collect();
+    let points: Vec<Vec3> = pelves(clips, seconds).flat_map(|p| SEEN_M.map(|up| p + Vec3::Y * up)).collect();
     let seen = |direction: Vec3| screens.seen(&camera(clips, seconds, direction), &points);
     let turned = |(steps, steep): (i32, f32)| {
         let way = Quat::from_rotation_y(steps as f32 * TURN) * side;
@@ -111,12 +109,11 @@ fn clear_direction(clips: &[Arc<Clip>], seconds: f32, side: Vec3, last: Vec3, sc
 
 /// Sees everybody who moves, from one direction.
 fn camera(clips: &[Arc<Clip>], seconds: f32, direction: Vec3) -> Camera {
-    let at = |clip: &Arc<Clip>| clip.frames.get(clip.frame_at(seconds)).map(|f| f.translation);
     let (half, low, high) = AROUND_M;
     let boxed = |p: Vec3| Aabb {
         min: Vec3::new(p.x - half, low, p.z - half),
         max: Vec3::new(p.x + half, high, p.z + half),
     };
-    let bounds = clips.iter().filter_map(at).map(boxed).fold(Aabb::EMPTY, Aabb::union);
+    let bounds = pelves(clips, seconds).map(boxed).fold(Aabb::EMPTY, Aabb::union);
     frame_bounds(&bounds, direction, FOV_Y, TILE[0] as f32 / TILE[1] as f32)
 }

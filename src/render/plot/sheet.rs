@@ -55,18 +55,10 @@ pub fn draw(tiles: &[Captioned], columns: usize) -> Result<Picture, PlotError> {
     })?;
     for (number, tile) in tiles.iter().enumerate() {
         let [left, top] = grid.corner(number);
-        paste(&mut sheet, [left, top + CAPTION], &tile.picture);
+        sheet.paste([left, top + CAPTION], &tile.picture);
     }
     sheet.backend = tiles.first().map_or_else(String::new, |tile| tile.picture.backend.clone());
     Ok(sheet)
-}
-
-fn paste(sheet: &mut Picture, [left, top]: [usize; 2], picture: &Picture) {
-    let bytes = 4 * picture.width as usize;
-    for (y, row) in picture.rgba.chunks_exact(bytes.max(1)).enumerate() {
-        let at = 4 * ((top + y) * sheet.width as usize + left);
-        sheet.rgba[at..at + bytes].copy_from_slice(row);
-    }
 }
 
 #[cfg(test)]
